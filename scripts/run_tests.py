@@ -104,7 +104,7 @@ def run_unit_tests(preset, environment=None, label="", names=""):
 
 
 def stage_format(options):
-    run_command("format (mend with ./dev format)", "./dev", "format", "--check")
+    run_command("format", "./dev", "format", "--check")
 
 
 def stage_includes(options):

@@ -20,5 +20,7 @@ int main() {
 
     std::printf("%zu substeps, the first vertex fell by %g m\n", report.substeps, double(before.y - after.y));
     const double expected = 0.5 * 9.81 / 3600;
-    return report.status == phyxel::StepStatus::ok && std::abs(double(before.y - after.y) - expected) < 0.2 * expected ? 0 : 1;
+    return report.status == phyxel::StepStatus::ok && std::abs(double(before.y - after.y) - expected) < 0.2 * expected
+               ? 0
+               : 1;
 }
