@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHYXEL = ROOT / "build" / "release" / "bin" / "phyxel"
 ARCHIVE = pathlib.Path("/usr/share/doc/libcgal-demo/data.tar.gz")
 
-CLOSED = ("elephant", "bull", "camel", "hand", "femur", "fandisk", "rotor", "knot1")
+CLOSED = ("bunny00", "armadillo", "elephant", "camel", "hand", "fandisk", "knot")
 BROKEN = ("cow", "pig", "lion-head", "mannequin-devil", "nefertiti", "mushroom", "mech-holes-shark")
 
 SIZE = 0.2  # [m] height of a body
