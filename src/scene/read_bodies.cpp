@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include "scene/read_parts.h"
+
+namespace phyxel {
+namespace {
+
+constexpr Choice<Lattice> lattices[] = {
+    {"cubic", Lattice::cubic},
+    {"bcc", Lattice::bcc},
+    {"octree", Lattice::cubic, false},
+    {"raster", Lattice::cubic, false},
+};
+constexpr Choice<Quadrature> quadratures[] = {{"grid", Quadrature::grid}, {"nodes", Quadrature::nodes}};
+constexpr Choice<KernelShape> kernel_shapes[] = {
+    {"quartic-spline", KernelShape::quartic_spline},
+    {"poly6", KernelShape::poly6},
+    {"cubic-spline", KernelShape::cubic_spline},
+    {"wendland", KernelShape::wendland},
+};
+
+constexpr long most_nodes = 1'000'000'000;  // memory refuses far earlier, with the spacing that fits
+
+Shape read_shape(const TableReader& reader) {
+    const std::string_view key = reader.exactly_one({"box", "sphere", "cylinder", "torus"});
+    const Range length = above(0, "m");
+    if (key == "box") return BoxShape{*reader.vector(key, length)};
+    if (key == "sphere") return SphereShape{*reader.number(key, length)};
+    const std::vector<double> sizes = *reader.numbers(key, 2, length);
+    if (key == "cylinder") return CylinderShape{sizes[0], sizes[1]};
+    if (sizes[1] >= sizes[0])
+        reader.fail(key, fmt::format("found a minor radius of {:g}, expected one below the major radius {:g} [m]",
+                                     sizes[1], sizes[0]));
+    return TorusShape{sizes[0], sizes[1]};
+}
+
+std::variant<MeshFile, Shape> read_surface(const TableReader& reader) {
+    if (reader.exactly_one({"mesh", "shape"}) == "shape") {
+        if (reader.has("part")) reader.fail("part", "belongs to 'mesh' only; remove it");
+        return read_shape(*reader.table("shape", {"box", "sphere", "cylinder", "torus"}));
+    }
+    return MeshFile{*reader.string("mesh"), reader.string("part").value_or("")};
+}
+
+void read_sampling(const TableReader& body, BodySettings& settings) {
+    const auto reader = body.table("sampling", {"nodes", "spacing", "count", "rotation", "offset"});
+    if (!reader) return;
+    reader->not_both("spacing", "count");
+    settings.lattice = reader->choice<Lattice>("nodes", lattices).value_or(settings.lattice);
+    settings.spacing = reader->number("spacing", above(0, "m")).value_or(0);
+    settings.count =
+        static_cast<std::size_t>(reader->integer("count", 4, most_nodes).value_or(static_cast<long>(settings.count)));
+    settings.lattice_rotation = reader->rotation("rotation").value_or(AxisAngle{});
+    settings.lattice_offset = reader->vector("offset", any("spacings")).value_or(Vec3{});
+}
+
+void read_kernel(const TableReader& body, BodySettings& settings) {
+    Kernel& kernel = settings.kernel;
+    if (settings.quadrature == Quadrature::nodes) kernel.shape = KernelShape::poly6;
+    const auto reader = body.table("kernel", {"shape", "support", "neighbors", "dilation"});
+    if (!reader) return;
+    reader->not_both("support", "neighbors");
+    reader->not_both("support", "dilation");
+    if (reader->has("dilation") && !reader->has("neighbors"))
+        reader->fail("dilation", "belongs to 'neighbors' only; add neighbors = 20, or use support = 2.2");
+    kernel.shape = reader->choice<KernelShape>("shape", kernel_shapes).value_or(kernel.shape);
+    kernel.support = reader->number("support", between(1.2, 8, "spacings")).value_or(0);
+    kernel.neighbors = static_cast<int>(reader->integer("neighbors", 4, 1000).value_or(0));
+    kernel.dilation = reader->number("dilation", between(1, 4)).value_or(kernel.dilation);
+}
+
+SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>& materials, Names& names) {
+    SceneBody body;
+    body.name = names.take(reader);
+    body.surface = read_surface(reader);
+    body.material = reference(reader, "material", materials);
+
+    BodySettings& settings = body.settings;
+    settings.material = materials[body.material].material;
+    settings.scale = reader.number("scale", above(0)).value_or(settings.scale);
+    settings.rotation = reader.rotation("rotation").value_or(settings.rotation);
+    settings.translation = reader.vector("translation", any("m")).value_or(settings.translation);
+    settings.velocity = reader.vector("velocity", any("m/s")).value_or(settings.velocity);
+    settings.quadrature = reader.choice<Quadrature>("quadrature", quadratures).value_or(settings.quadrature);
+    read_sampling(reader, settings);
+    read_kernel(reader, settings);
+    settings.consistency_correction = reader.boolean("consistency").value_or(settings.consistency_correction);
+    settings.stabilization = reader.number("stabilization", between(0, 10)).value_or(settings.stabilization);
+
+    body.place = reader.place();
+    body.surface_place = reader.place(reader.has("mesh") ? "mesh" : "shape");
+    body.sampling_place = reader.place(reader.has("sampling") ? "sampling" : "material");
+    body.sampling_place.field = reader.path() + ".sampling";
+    return body;
+}
+
+}  // namespace
+
+std::vector<SceneBody> read_bodies(const TableReader& root, const std::vector<SceneMaterial>& materials) {
+    std::vector<SceneBody> bodies;
+    Names names("body");
+    for (const TableReader& reader :
+         root.list("body",
+                   {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
+                    "sampling", "quadrature", "kernel", "consistency", "stabilization"},
+                   {"region"}))
+        bodies.push_back(read_body(reader, materials, names));
+    if (bodies.empty())
+        root.fail(Place{}, "found no body, expected at least one; add [[body]] with a mesh or shape and a material");
+    return bodies;
+}
+
+}  // namespace phyxel

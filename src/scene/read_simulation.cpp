@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include "scene/read_parts.h"
+
+namespace phyxel {
+namespace {
+
+constexpr double most_frames = 1e7;  // six digits number the files; a tenfold reserve
+
+constexpr Choice<Integrator> integrators[] = {
+    {"leap-frog", Integrator::leap_frog},          {"verlet", Integrator::verlet},
+    {"implicit-euler", Integrator::verlet, false}, {"bdf2", Integrator::verlet, false},
+    {"constraint", Integrator::verlet, false},     {"static", Integrator::verlet, false},
+    {"auto", Integrator::verlet, false},
+};
+
+std::optional<double> read_time_step(const TableReader& reader) {
+    constexpr Choice<bool> words[] = {{"auto", true}};
+    if (!reader.has("time_step")) return {};
+    if (reader.is_string("time_step")) {
+        reader.choice<bool>("time_step", words);
+        return {};
+    }
+    return reader.number("time_step", above(0, "s"));
+}
+
+}  // namespace
+
+SceneSimulation read_simulation(const TableReader& root) {
+    SceneSimulation simulation;
+    const auto reader =
+        root.table("simulation", {"integrator", "time_step", "duration", "frame_rate", "gravity", "damping"});
+    if (!reader) return simulation;
+    simulation.integrator = reader->choice<Integrator>("integrator", integrators).value_or(simulation.integrator);
+    simulation.time_step = read_time_step(*reader);
+    simulation.duration = reader->number("duration", above(0, "s")).value_or(simulation.duration);
+    simulation.frame_rate = reader->number("frame_rate", above(0, "1/s")).value_or(simulation.frame_rate);
+    simulation.gravity = reader->vector("gravity", any("m/s^2")).value_or(simulation.gravity);
+    if (const auto damping = reader->table("damping", {"mass", "stiffness"})) {
+        simulation.mass_damping = damping->number("mass", at_least(0, "1/s")).value_or(0);
+        simulation.stiffness_damping = damping->number("stiffness", at_least(0, "s")).value_or(0);
+    }
+
+    // Runs that could not end are mistakes of unit
+    if (simulation.duration * simulation.frame_rate > most_frames)
+        reader->fail(reader->has("duration") ? "duration" : "frame_rate",
+                     fmt::format("{:g} s at {:g} frames a second are more than {:g} frames; lower one of the two",
+                                 simulation.duration, simulation.frame_rate, most_frames));
+    if (simulation.time_step && simulation.duration / *simulation.time_step > 1e12)
+        reader->fail("time_step", fmt::format("{:g} s take more than 1e12 such steps; raise it, or use \"auto\"",
+                                              simulation.duration));
+    return simulation;
+}
+
+}  // namespace phyxel
