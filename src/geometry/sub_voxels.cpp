@@ -9,12 +9,8 @@ namespace {
 
 using sub_voxel::Mask;
 
-/// Sampled points avoid the round coordinates at which models put their faces: on the surface inside is not defined.
-/// In sub-voxels.
-constexpr Vec3 sample_shift{3.1e-6, 1.7e-6, 2.3e-6};
-
-Vec3 sample_point(const OctantGrid& grid, const std::array<int, 3>& index, const Vec3& sub_voxel) {
-    return grid.corner(index) + grid.pitch / sub_voxel::per_edge * (sub_voxel + sample_shift);
+Vec3 sample_point(const OctantGrid& grid, const std::array<int, 3>& index, const Vec3& offset) {
+    return grid.corner(index) + grid.pitch / sub_voxel::per_edge * (offset + sub_voxel::sample_shift);
 }
 
 Mask sample_octant(const OctantGrid& grid, const std::array<int, 3>& index, const WindingNumber& winding) {
@@ -28,23 +24,14 @@ Mask sample_octant(const OctantGrid& grid, const std::array<int, 3>& index, cons
 }
 
 /// Whether the solid begins or ends between this octant and a neighbour although no surface crosses either.
-bool changes_without_surface(const SubVoxels& voxels, std::size_t octant) {
+bool changes_without_surface(const SubVoxels& voxels, const std::vector<std::uint8_t>& crossed, std::size_t octant) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t neighbor : {octant - voxels.grid.stride(axis), octant + voxels.grid.stride(axis)})
-            if (!voxels.crossed[neighbor] && voxels.masks[neighbor] != voxels.masks[octant]) return true;
+            if (!crossed[neighbor] && voxels.masks[neighbor] != voxels.masks[octant]) return true;
     return false;
 }
 
-}  // namespace
-
-OctantGrid::OctantGrid(const TriangleMesh& mesh, double edge) : pitch(edge) {
-    const Box box = bounding_box(mesh);
-    for (std::size_t c = 0; c < 3; ++c) {
-        first[c] = lattice_index(box.lower[c], pitch) - 1;
-        extent[c] = lattice_index(box.upper[c], pitch) + 2 - first[c];
-    }
-}
-
+/// Marks the octants that hold a piece of the surface; a piece within a plane belongs to the octant above.
 std::vector<std::uint8_t> crossed_octants(const TriangleMesh& mesh, const OctantGrid& grid, const Threads& threads) {
     std::vector<std::uint8_t> crossed(grid.size());
     const StripTriangles strips(mesh, grid.pitch);
@@ -57,17 +44,27 @@ std::vector<std::uint8_t> crossed_octants(const TriangleMesh& mesh, const Octant
     return crossed;
 }
 
+}  // namespace
+
+OctantGrid::OctantGrid(const TriangleMesh& mesh, double edge) : pitch(edge) {
+    const Box box = bounding_box(mesh);
+    for (std::size_t c = 0; c < 3; ++c) {
+        first[c] = lattice_index(box.lower[c], pitch) - 1;
+        extent[c] = lattice_index(box.upper[c], pitch) + 2 - first[c];
+    }
+}
+
 SubVoxels sub_voxels_by_winding_number(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
                                        const Threads& threads) {
-    SubVoxels voxels{OctantGrid(mesh, pitch), {}, {}};
+    SubVoxels voxels{OctantGrid(mesh, pitch), {}};
     const OctantGrid& grid = voxels.grid;
     voxels.masks.assign(grid.size(), sub_voxel::none);
-    voxels.crossed = crossed_octants(mesh, grid, threads);
+    const std::vector<std::uint8_t> crossed = crossed_octants(mesh, grid, threads);
 
     // Away from the surface one sample decides; next to it all 64.
     grid.for_planes(threads, [&](int i) {
         grid.visit_plane(i, [&](const std::array<int, 3>& index, std::size_t octant) {
-            if (voxels.crossed[octant]) voxels.masks[octant] = sample_octant(grid, index, winding);
+            if (crossed[octant]) voxels.masks[octant] = sample_octant(grid, index, winding);
             else if (winding.inside(sample_point(grid, index, {2, 2, 2}))) voxels.masks[octant] = sub_voxel::all;
         });
     });
@@ -76,17 +73,21 @@ SubVoxels sub_voxels_by_winding_number(const TriangleMesh& mesh, const WindingNu
     std::vector<std::uint8_t> open(grid.size());
     grid.for_planes(threads, [&](int i) {
         grid.visit_plane(i, [&](const std::array<int, 3>&, std::size_t octant) {
-            open[octant] = !voxels.crossed[octant] && changes_without_surface(voxels, octant);
+            open[octant] = !crossed[octant] && changes_without_surface(voxels, crossed, octant);
         });
     });
     grid.for_planes(threads, [&](int i) {
         grid.visit_plane(i, [&](const std::array<int, 3>& index, std::size_t octant) {
-            if (!open[octant]) return;
-            voxels.masks[octant] = sample_octant(grid, index, winding);
-            voxels.crossed[octant] = 1;
+            if (open[octant]) voxels.masks[octant] = sample_octant(grid, index, winding);
         });
     });
     return voxels;
+}
+
+SubVoxels make_sub_voxels(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
+                          const Threads& threads) {
+    std::optional<SubVoxels> closed = sub_voxels_by_columns(mesh, pitch, threads);
+    return closed ? std::move(*closed) : sub_voxels_by_winding_number(mesh, winding, pitch, threads);
 }
 
 }  // namespace phyxel

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/threads.h"
@@ -25,6 +26,10 @@ using Mask = std::uint64_t;
 constexpr Mask none = 0, all = ~Mask{0};
 constexpr int per_edge = 4;
 constexpr std::array<int, 3> stride{16, 4, 1};
+
+/// Samples are taken next to the centres, in sub-voxels: models put their faces at round coordinates, and on a face
+/// inside is not defined.
+constexpr Vec3 sample_shift{3.1e-6, 1.7e-6, 2.3e-6};
 
 constexpr int bit(int x, int y, int z) { return 16 * x + 4 * y + z; }
 
@@ -99,15 +104,18 @@ struct OctantGrid {
 struct SubVoxels {
     OctantGrid grid;
     std::vector<sub_voxel::Mask> masks;  ///< [grid.size()]
-    std::vector<std::uint8_t> crossed;   ///< [grid.size()] 1: the surface passes through, and sub-voxels were sampled
 };
 
-/// Marks the octants of `grid` that hold a piece of the surface; a piece within a plane belongs to the octant above.
-std::vector<std::uint8_t> crossed_octants(const TriangleMesh& mesh, const OctantGrid& grid, const Threads& threads);
+/// Sub-voxels whose centre has a positive winding number, counted along lines through the surface: fast, and exact for
+/// surfaces that are closed. Nothing when some line enters the surface and does not leave it.
+std::optional<SubVoxels> sub_voxels_by_columns(const TriangleMesh& mesh, double pitch, const Threads& threads);
 
-/// Inside where the winding number exceeds 1/2. Octants between which it changes without surface, as in the holes of an
-/// open mesh, are sampled like crossed ones.
+/// Sub-voxels at whose centre the winding number exceeds 1/2. Octants that hold no surface are whole or empty by one
+/// sample, except where the solid ends without surface, as in the holes of an open mesh.
 SubVoxels sub_voxels_by_winding_number(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
                                        const Threads& threads);
+
+/// By columns where the surface allows it, else by the winding number: the same sub-voxels on a closed surface.
+SubVoxels make_sub_voxels(const TriangleMesh& mesh, const WindingNumber& winding, double pitch, const Threads& threads);
 
 }  // namespace phyxel

@@ -47,7 +47,7 @@ Plane collect_plane(const SubVoxels& voxels, int i) {
 
 ClippedVolume clip_by_winding_number(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
                                      const Threads& threads) {
-    const SubVoxels voxels = sub_voxels_by_winding_number(mesh, winding, pitch, threads);
+    const SubVoxels voxels = make_sub_voxels(mesh, winding, pitch, threads);
     const int first = voxels.grid.first[0];
     std::vector<Plane> planes(static_cast<std::size_t>(voxels.grid.extent[0]));
     voxels.grid.for_planes(threads,

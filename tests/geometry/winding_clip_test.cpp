@@ -47,7 +47,7 @@ TEST(ClipByWindingNumber, faces_through_the_centres_of_sub_voxels_are_decided_al
 TEST(ClipByWindingNumber, a_hole_is_closed) {
     TriangleMesh open = make_sphere(1);
     std::erase_if(open.triangles, [&](const Triangle& t) { return open.vertices[t[0]].z > 0.95; });
-    const ClippedVolume clip = clipped(open, 0.1);
+    const ClippedVolume clip = clipped(open, 0.15);
     EXPECT_NEAR(clip.volume, 4.18879, 0.05);
     EXPECT_LT(closure_errors(clip).volume, 1e-13);
 }
