@@ -27,8 +27,8 @@ FieldArray vector_field(std::string name, std::span<const Vec3f> values);
 FieldArray matrix_field(std::string name, std::span<const Mat3> values);
 
 struct VtuOptions {
-    /// Level of zlib, 0 to 9; 0 stores the numbers as they are. Level 1 takes about a third off the size of a field and
-    /// some fifteen times as long; higher levels gain little.
+    /// Level of zlib, 0 to 9; 0 stores the numbers as they are. Level 1 takes a quarter to a third off the size but
+    /// some fifty times as long; higher levels gain little more.
     int compression = 0;
 };
 
