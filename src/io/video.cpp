@@ -67,7 +67,10 @@ std::vector<std::string> arguments(int width, int height, double frame_rate, con
 }
 
 std::filesystem::path temporary_of(const std::filesystem::path& path) {
-    return path.parent_path() / ("." + path.filename().string() + ".part");
+    std::string name = ".";
+    name += path.filename().string();
+    name += ".part";
+    return path.parent_path() / name;
 }
 
 }  // namespace

@@ -1,14 +1,13 @@
 #include "io/video.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <iostream>
 
@@ -113,8 +112,8 @@ TEST(Video, a_folder_that_does_not_exist_gives_ffmpegs_reason_and_no_signal) {
 /// Runs in a child process and prints the message there.
 void write_film_and_exit(const std::filesystem::path& path, int pictures) {
     std::cerr << message_of([&] {
-        Mp4Writer film(path, 320, 240, 30);
-        for (int i = 0; i < pictures; ++i) film.add(picture(320, 240, i, true));
+        Mp4Writer film(path, 160, 120, 30);
+        for (int i = 0; i < pictures; ++i) film.add(picture(160, 120, i, true));
         film.finish();
     });
     std::exit(3);
@@ -135,15 +134,16 @@ TEST(VideoDeathTest, without_ffmpeg_the_error_says_what_to_install) {
 TEST(VideoDeathTest, ffmpeg_that_dies_while_writing_is_an_error_and_leaves_nothing) {
     testing::FLAGS_gtest_death_test_style = "threadsafe";
     const Folder folder;
-    EXPECT_EXIT(
-        {
-            // A file larger than the limit raises SIGXFSZ, or fails to be written when that is ignored.
-            const rlimit limit{100000, 100000};
-            ::setrlimit(RLIMIT_FSIZE, &limit);
-            ::signal(SIGXFSZ, SIG_IGN);
-            write_film_and_exit(folder.path / "film.mp4", 60);
-        },
-        testing::ExitedWithCode(3), "ffmpeg failed: .*film.mp4");
+    const auto write_with_little_room = [&] {
+        // Writing beyond the limit fails, as on a full disk.
+        rlimit limit{};
+        ::getrlimit(RLIMIT_FSIZE, &limit);
+        limit.rlim_cur = 100000;
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        ::signal(SIGXFSZ, SIG_IGN);
+        write_film_and_exit(folder.path / "film.mp4", 60);
+    };
+    EXPECT_EXIT(write_with_little_room(), testing::ExitedWithCode(3), "ffmpeg failed: .*film.mp4");
     EXPECT_TRUE(folder.empty());
 }
 
