@@ -1,0 +1,19 @@
+#pragma once
+
+#include "geometry/winding_number.h"
+
+namespace phyxel {
+
+/// The region whose winding number is above 1/2, measured.
+struct WindingVolume {
+    double volume = 0;
+    double doubtful = 0;  ///< part of it whose winding number is below 0.7: near large holes
+};
+
+/// Measures the region on an octree over the mesh's bounding box, whose cells are refined down to 1/64 of the box's
+/// sides where the surface passes or the winding number is within 0.25 of 1/2. On average, a cell that the surface
+/// passes is off by less than half its volume and errors are of either sign: the volume of a round body comes out to
+/// about 0.1 %.
+WindingVolume winding_volume(const TriangleMesh& mesh, const WindingNumber& winding_number);
+
+}  // namespace phyxel
