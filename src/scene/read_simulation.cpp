@@ -6,6 +6,7 @@ namespace phyxel {
 namespace {
 
 constexpr double most_frames = 1e7;  // six digits number the files; a tenfold reserve
+constexpr double most_steps = 1e9;   // beyond, the rounding of their times shows
 
 constexpr Choice<Integrator> integrators[] = {
     {"leap-frog", Integrator::leap_frog},          {"verlet", Integrator::verlet},
@@ -46,8 +47,8 @@ SceneSimulation read_simulation(const TableReader& root) {
         reader->fail(reader->has("duration") ? "duration" : "frame_rate",
                      fmt::format("{:g} s at {:g} frames a second are more than {:g} frames; lower one of the two",
                                  simulation.duration, simulation.frame_rate, most_frames));
-    if (simulation.time_step && simulation.duration / *simulation.time_step > 1e12)
-        reader->fail("time_step", fmt::format("{:g} s take more than 1e12 such steps; raise it, or use \"auto\"",
+    if (simulation.time_step && simulation.duration / *simulation.time_step > most_steps)
+        reader->fail("time_step", fmt::format("{:g} s take more than 1e9 such steps; raise it, or use \"auto\"",
                                               simulation.duration));
     return simulation;
 }

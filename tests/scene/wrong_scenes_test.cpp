@@ -24,7 +24,7 @@ const WrongScene wrong_scenes[] = {
     {"duration   = 0.5", "duratoin   = 0.5", "6:1", {"'simulation.duratoin'", "did you mean 'duration'"}},
     {"youngs_modulus", "young_modulus", "15:1", {"'material.jelly.young_modulus'", "did you mean 'youngs_modulus'"}},
     {"spacing = 0.01", "spacings = 0.01", "26:29", {"'body.beam.sampling.spacings'", "did you mean 'spacing'"}},
-    {"friction", "roughness", "45:1", {"unknown key 'roughness'", "Known: name, plane, sphere, box, friction"}},
+    {"friction", "roughness", "45:1", {"unknown key 'roughness'", "known: name, plane, sphere, box, friction"}},
     {"frame_rate", "zzzzzz", "7:1", {"unknown key 'zzzzzz'", "known: integrator, time_step"}},
     // Types
     {"duration   = 0.5", "duration   = \"0.5\"", "6:14", {"'simulation.duration'", "found a string \"0.5\""}},

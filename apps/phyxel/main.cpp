@@ -1,0 +1,65 @@
+/// phyxel - soft and breakable solids from bare surface meshes, on the command line.
+///
+/// Exit codes: 0 success; 2 a user's mistake, with one message on standard error; 1 anything else.
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "commands.h"
+#include "phyxel/error.h"
+#include "phyxel/version.h"
+
+namespace phyxel::cli {
+namespace {
+
+int complain(std::string_view message, ExitCode code) {
+    fmt::print(stderr, "phyxel: {}\n", message);
+    return code;
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Soft and breakable solids from bare surface meshes.", "phyxel");
+    app.set_version_flag("--version", std::string("phyxel ") + version);
+    app.require_subcommand(1);
+    int exit_code = success;
+    add_run(app, exit_code);
+    add_later(app);
+    add_check(app, exit_code);
+    add_bench(app, exit_code);
+    try {
+        app.parse(argc, argv);
+        return exit_code;
+    } catch (const CLI::ParseError& error) {
+        // Asked for help or the version: no mistake
+        if (error.get_exit_code() == 0) return app.exit(error);
+        const auto given = app.get_subcommands();
+        return complain(fmt::format("{}; see 'phyxel {}--help'", error.what(),
+                                    given.empty() ? "" : given.front()->get_name() + " "),
+                        mistake);
+    }
+}
+
+}  // namespace
+}  // namespace phyxel::cli
+
+int main(int argc, char** argv) {
+    using namespace phyxel::cli;
+    // A file or a pipe that takes no more is an error of writing, not the end of the program
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        return run_program(argc, argv);
+    } catch (const phyxel::Error& error) {
+        return complain(error.what(), mistake);
+    } catch (const std::bad_alloc&) {
+        return complain("out of memory; raise the spacing of the bodies, or lower their count of nodes", failure);
+    } catch (const std::exception& error) {
+        return complain(fmt::format("internal error: {}", error.what()), failure);
+    } catch (...) {
+        return complain("internal error", failure);
+    }
+}

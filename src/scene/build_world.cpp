@@ -1,0 +1,68 @@
+#include "scene/build_world.h"
+
+#include "phyxel/error.h"
+
+namespace phyxel {
+namespace {
+
+/// Runs `make`; its errors are told as those of a place of the scene.
+template <class Make>
+auto at(const Scene& scene, const Place& place, Make&& make) {
+    try {
+        return make();
+    } catch (const Error& error) {
+        scene.text->fail(place, error.what());
+    }
+}
+
+TriangleMesh make_shape(const BoxShape& box) { return make_box(box.sides); }
+TriangleMesh make_shape(const SphereShape& sphere) { return make_sphere(sphere.radius); }
+TriangleMesh make_shape(const CylinderShape& cylinder) { return make_cylinder(cylinder.radius, cylinder.height); }
+TriangleMesh make_shape(const TorusShape& torus) { return make_torus(torus.major, torus.minor); }
+
+TriangleMesh load_surface(const Scene& scene, const SceneBody& body) {
+    if (const auto* shape = std::get_if<Shape>(&body.surface))
+        return std::visit([](const auto& s) { return make_shape(s); }, *shape);
+    const MeshFile& file = std::get<MeshFile>(body.surface);
+    return read_mesh(scene.text->path().parent_path() / file.path, file.part);
+}
+
+WorldSettings world_settings(const SceneSimulation& simulation, int threads) {
+    WorldSettings settings;
+    settings.time_step = simulation.time_step.value_or(1 / simulation.frame_rate);
+    settings.gravity = simulation.gravity;
+    settings.integrator = simulation.integrator;
+    settings.mass_damping = simulation.mass_damping;
+    settings.stiffness_damping = simulation.stiffness_damping;
+    settings.threads = threads;
+    return settings;
+}
+
+}  // namespace
+
+BuiltScene build_world(const Scene& scene, int threads) {
+    // All meshes first: a missing file is found before any body is sampled
+    std::vector<TriangleMesh> meshes;
+    for (const SceneBody& body : scene.bodies)
+        meshes.push_back(at(scene, body.surface_place, [&] { return load_surface(scene, body); }));
+
+    BuiltScene built{World(world_settings(scene.simulation, threads)), {}, {}, {}};
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        built.bodies.push_back(at(scene, scene.bodies[i].place,
+                                  [&] { return built.world.add_body(meshes[i], scene.bodies[i].settings); }));
+    for (const SceneFix& fix : scene.fixes)
+        built.fixes.push_back(
+            at(scene, fix.place, [&] { return built.world.add_fix(built.bodies[fix.body], fix.fix); }));
+    for (const SceneLoad& load : scene.loads)
+        at(scene, load.place, [&] { return built.world.add_load(built.bodies[load.body], load.load); });
+    for (const SceneCollider& collider : scene.colliders)
+        at(scene, collider.place, [&] {
+            return std::visit([&](const auto& shape) { return built.world.add_collider(shape); }, collider.shape);
+        });
+    for (const SceneProbe& probe : scene.probes)
+        built.probes.push_back(
+            at(scene, probe.place, [&] { return built.world.add_probe(built.bodies[probe.body], probe.point); }));
+    return built;
+}
+
+}  // namespace phyxel
