@@ -5,31 +5,31 @@
 
 namespace phyxel {
 
-void Box::add(const Vec3& p) {
+void Bounds::add(const Vec3& p) {
     for (std::size_t a = 0; a < 3; ++a) {
         lower[a] = std::min(lower[a], p[a]);
         upper[a] = std::max(upper[a], p[a]);
     }
 }
 
-void Box::add(const Box& box) {
+void Bounds::add(const Bounds& box) {
     add(box.lower);
     add(box.upper);
 }
 
-bool Box::overlaps(const Box& b) const {
+bool Bounds::overlaps(const Bounds& b) const {
     return lower.x <= b.upper.x && b.lower.x <= upper.x && lower.y <= b.upper.y && b.lower.y <= upper.y &&
            lower.z <= b.upper.z && b.lower.z <= upper.z;
 }
 
-Box triangle_box(const TriangleMesh& mesh, std::size_t triangle) {
-    Box box;
+Bounds triangle_box(const TriangleMesh& mesh, std::size_t triangle) {
+    Bounds box;
     for (const std::uint32_t v : mesh.triangles[triangle]) box.add(mesh.vertices[v]);
     return box;
 }
 
-Box bounding_box(const TriangleMesh& mesh) {
-    Box box;
+Bounds bounding_box(const TriangleMesh& mesh) {
+    Bounds box;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) box.add(triangle_box(mesh, t));
     return box;
 }
@@ -56,7 +56,7 @@ private:
     void build(std::uint32_t begin, std::uint32_t end) {
         const std::size_t self = bvh_.nodes.size();
         bvh_.nodes.push_back({.box = {}, .begin = begin, .end = end, .right = 0});
-        Box centers;
+        Bounds centers;
         for (std::uint32_t i = begin; i < end; ++i) {
             bvh_.nodes[self].box.add(boxes_[bvh_.order[i]]);
             centers.add(centers_[bvh_.order[i]]);
@@ -78,7 +78,7 @@ private:
     }
 
     std::size_t leaf_size_;
-    std::vector<Box> boxes_;
+    std::vector<Bounds> boxes_;
     std::vector<Vec3> centers_;
     Bvh bvh_;
 };

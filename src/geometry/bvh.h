@@ -8,27 +8,27 @@
 namespace phyxel {
 
 /// Axis-aligned box; empty until something is added.
-struct Box {
+struct Bounds {
     Vec3 lower{INFINITY, INFINITY, INFINITY}, upper{-INFINITY, -INFINITY, -INFINITY};
 
     void add(const Vec3& point);
-    void add(const Box& box);
+    void add(const Bounds& box);
     Vec3 size() const { return upper - lower; }
     Vec3 center() const { return lower + 0.5 * (upper - lower); }
-    bool overlaps(const Box& other) const;
+    bool overlaps(const Bounds& other) const;
 };
 
 /// Bounding box of the vertices that triangles use.
-Box bounding_box(const TriangleMesh& mesh);
+Bounds bounding_box(const TriangleMesh& mesh);
 
 /// Box of one triangle.
-Box triangle_box(const TriangleMesh& mesh, std::size_t triangle);
+Bounds triangle_box(const TriangleMesh& mesh, std::size_t triangle);
 
 /// Bounding volume hierarchy over the triangles of a mesh: a binary tree, split at the median along the longest side of
 /// the centroids' box. Depends on the mesh alone, so every walk meets the triangles in the same order.
 struct Bvh {
     struct Node {
-        Box box;
+        Bounds box;
         std::uint32_t begin = 0, end = 0;  ///< triangles `order[begin, end)` lie below this node
         std::uint32_t right = 0;           ///< right child; the left one is the next node; 0: a leaf
         bool leaf() const { return right == 0; }

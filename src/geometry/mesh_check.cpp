@@ -44,7 +44,7 @@ std::string unusable_numbers(const TriangleMesh& mesh) {
                 return place + ": a coordinate at " + text(x) +
                        " is too large to work with: remove the vertex, or scale the mesh to metres";
         }
-    const Box box = bounding_box(mesh);
+    const Bounds box = bounding_box(mesh);
     const Vec3 size = box.size();
     const double longest = std::max({size.x, size.y, size.z});
     double farthest = 0;
@@ -171,7 +171,7 @@ CheckedMesh check_and_repair(const TriangleMesh& mesh) {
     }
     orient_triangles(checked.mesh, r);
 
-    const Box box = bounding_box(checked.mesh);
+    const Bounds box = bounding_box(checked.mesh);
     r.lower = box.lower;
     r.upper = box.upper;
     r.area = surface_area(checked.mesh);

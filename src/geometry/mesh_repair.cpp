@@ -34,7 +34,7 @@ DisjointSets coincident_vertices(const TriangleMesh& mesh, std::vector<std::uint
 
     // Nearly equal: two points within the tolerance share a cell of twice its size in at least one of eight grids, each
     // shifted by half a cell along some of the axes
-    const Box box = bounding_box(mesh);
+    const Bounds box = bounding_box(mesh);
     const Vec3 size = box.size();
     const double cell = 2 * weld_tolerance * std::max({size.x, size.y, size.z});
     if (!(cell > 0)) return sets;

@@ -66,7 +66,7 @@ std::vector<std::uint32_t> orient_pieces(TriangleMesh& mesh, const EdgeTable& ed
 struct Shell {
     std::vector<std::uint32_t> triangles;  ///< of the whole mesh
     bool closed = true;                    ///< at every edge, as many triangles run one way as the other
-    Box box;
+    Bounds box;
     double volume = 0;
     bool inside_out = false;
 };
@@ -149,7 +149,7 @@ void orient_triangles(TriangleMesh& mesh, MeshReport& report) {
 
     // Volumes: closed shells each by itself, open ones together
     std::vector<std::uint32_t> open_triangles;
-    Box open_box;
+    Bounds open_box;
     for (Shell& shell : shells) {
         for (const std::uint32_t t : shell.triangles) shell.box.add(triangle_box(mesh, t));
         shell.volume = volume_about_center(mesh, shell.triangles, shell.box.center());

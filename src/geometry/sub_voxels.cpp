@@ -47,7 +47,7 @@ std::vector<std::uint8_t> crossed_octants(const TriangleMesh& mesh, const Octant
 }  // namespace
 
 OctantGrid::OctantGrid(const TriangleMesh& mesh, double edge) : pitch(edge) {
-    const Box box = bounding_box(mesh);
+    const Bounds box = bounding_box(mesh);
     for (std::size_t c = 0; c < 3; ++c) {
         first[c] = lattice_index(box.lower[c], pitch) - 1;
         extent[c] = lattice_index(box.upper[c], pitch) + 2 - first[c];

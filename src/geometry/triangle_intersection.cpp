@@ -95,7 +95,7 @@ SelfIntersections find_self_intersections(const TriangleMesh& mesh, const Bvh& b
 
     // Data of each triangle once, in the tree's order
     std::vector<Plane> planes;
-    std::vector<Box> boxes;
+    std::vector<Bounds> boxes;
     for (const std::uint32_t t : bvh.order) {
         const auto& [a, b, c] = mesh.triangles[t];
         planes.emplace_back(std::array{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});

@@ -18,7 +18,7 @@ public:
     WindingVolume measure() {
         std::vector<std::uint32_t> all(mesh_.triangles.size());
         for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-        const Box box = bounding_box(mesh_);
+        const Bounds box = bounding_box(mesh_);
         visit(box.center(), 0.5 * box.size(), 0, all);
         return result_;
     }

@@ -38,13 +38,13 @@ TEST(Shapes, are_closed_outward_and_have_the_volume_of_the_smooth_shape) {
 }
 
 TEST(Shapes, box_has_the_given_sides_to_the_bit) {
-    const Box box = bounding_box(make_box({0.1, 0.7, 0.3}));
+    const Bounds box = bounding_box(make_box({0.1, 0.7, 0.3}));
     EXPECT_EQ(box.lower, (Vec3{-0.05, -0.35, -0.15}));
     EXPECT_EQ(box.upper, (Vec3{0.05, 0.35, 0.15}));
 }
 
 TEST(Shapes, stand_on_the_y_axis) {
-    const Box cylinder = bounding_box(make_cylinder(0.5, 3)), torus = bounding_box(make_torus(2, 0.5));
+    const Bounds cylinder = bounding_box(make_cylinder(0.5, 3)), torus = bounding_box(make_torus(2, 0.5));
     EXPECT_EQ(cylinder.size().y, 3);
     EXPECT_NEAR(cylinder.size().x, 1, 0.01);
     EXPECT_NEAR(torus.size().y, 1, 0.02);

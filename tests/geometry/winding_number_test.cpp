@@ -12,7 +12,7 @@ namespace {
 std::vector<Vec3> points_around(const TriangleMesh& mesh, std::size_t count) {
     std::mt19937 generator(7);
     const auto unit = [&] { return static_cast<double>(generator()) / 4294967295.0; };
-    const Box box = bounding_box(mesh);
+    const Bounds box = bounding_box(mesh);
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3 s = box.size();
