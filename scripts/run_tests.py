@@ -155,6 +155,20 @@ def stage_tsan(options):
         for program in programs:
             run_command(f"tsan: {program}", f"build/tsan/bin/{program}", "--gtest_filter=-*LONG_*",
                         environment=SANITIZER_ENVIRONMENT)
+    check_that_races_are_found()
+
+
+def check_that_races_are_found():
+    """A program with a race must be reported: the suppressions do not hide what happens inside parallel loops."""
+    program = ROOT / "build" / "tsan" / "race"
+    sources = ["tests/sanitizers/race.cpp", "src/base/threads.cpp"]
+    if run_command("tsan: the race builds", "g++", "-std=c++20", "-O1", "-g", "-fsanitize=thread", "-Isrc", "-Iinclude",
+                   *sources, "-o", program, "-ltbb"):
+        result = subprocess.run([program], env={**os.environ, **SANITIZER_ENVIRONMENT}, capture_output=True, text=True)
+        found = "WARNING: ThreadSanitizer: data race" in result.stderr
+        Totals.add("tsan: a race in a parallel loop is reported", found)
+        if not found:
+            print("  FAIL tsan: a race in a parallel loop is reported: it was not")
 
 
 def stage_long(options):

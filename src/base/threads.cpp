@@ -7,7 +7,30 @@
 
 #include <optional>
 
+#ifdef __SANITIZE_THREAD__
+#include <atomic>
+#include <thread>
+#endif
+
 namespace phyxel {
+
+#ifdef __SANITIZE_THREAD__
+namespace {
+
+/// Stands in for oneTBB under the thread sanitizer, which cannot see how a library that was not built for it hands work
+/// over: it would report every loop, and suppressing those reports would hide true ones.
+void run_on_plain_threads(int count, std::size_t tasks, const Threads::Task& task) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t t; (t = next.fetch_add(1, std::memory_order_relaxed)) < tasks;) task(t);
+    };
+    std::vector<std::jthread> helpers;
+    for (int h = 1; h < count; ++h) helpers.emplace_back(work);
+    work();
+}
+
+}  // namespace
+#endif
 
 struct Threads::Pool {
     explicit Pool(int count) : arena(count) {
@@ -35,10 +58,14 @@ void Threads::run(std::size_t tasks, const Task& task) const {
         for (std::size_t t = 0; t < tasks; ++t) task(t);
         return;
     }
+#ifdef __SANITIZE_THREAD__
+    run_on_plain_threads(count_, tasks, task);
+#else
     pool_->arena.execute([&] {
         tbb::parallel_for(
             std::size_t{0}, tasks, [&](std::size_t t) { task(t); }, tbb::simple_partitioner{});
     });
+#endif
 }
 
 }  // namespace phyxel
