@@ -92,8 +92,8 @@ GlbWriter::GlbWriter(std::filesystem::path path, std::span<const GlbMesh> meshes
 
 void GlbWriter::add_frame(double time, std::span<const GlbPose> poses) {
     assert(poses.size() == bodies_.size());
-    assert(times_.empty() || static_cast<float>(time) > times_.back());
     require_finite(path_, "times", std::span<const double>(&time, 1));
+    if (!times_.empty() && static_cast<float>(time) <= times_.back()) return;
     // Nothing is added before all is known to be right.
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         Body& body = bodies_[b];

@@ -35,8 +35,9 @@ class GlbWriter {
 public:
     GlbWriter(std::filesystem::path path, std::span<const GlbMesh> meshes);
 
-    /// Adds the frame at `time` [s], later than the last; one pose a mesh. `Error` when a value is not finite, a body
-    /// has another number of vertices than before, or the file would exceed 4 GiB.
+    /// Adds the frame at `time` [s], one pose a mesh; a frame that is not later than the last is left out, as when a
+    /// run fails before its next. `Error` when a value is not finite, a body has another number of vertices than
+    /// before, or the file would exceed 4 GiB.
     void add_frame(double time, std::span<const GlbPose> poses);
 
     std::size_t frames() const { return times_.size(); }

@@ -166,6 +166,15 @@ TEST(Glb, of_one_frame_is_a_still) {
         << importer.GetErrorString();
 }
 
+TEST(Glb, leaves_out_a_frame_that_is_not_later_than_the_last) {
+    const TemporaryDirectory folder;
+    const GlbMesh meshes[] = {{"jelly", triangles}};
+    GlbWriter writer(folder / "a.glb", meshes);
+    const GlbPose pose[] = {{tetrahedron, up}};
+    for (const double time : {0.0, 0.5, 0.5, 0.25, 0.5 + 1e-12, 1.0}) writer.add_frame(time, pose);
+    EXPECT_EQ(writer.frames(), 3u);
+}
+
 TEST(Glb, refuses_a_surface_that_changes) {
     const TemporaryDirectory folder;
     const GlbMesh meshes[] = {{"jelly", triangles}};

@@ -153,6 +153,13 @@ TEST_F(CheckpointFile, that_is_missing_or_a_folder_is_refused) {
     EXPECT_THROW(CheckpointReader("/dev/zero"), Error);
 }
 
+TEST_F(CheckpointFile, is_left_as_it_was_when_the_disk_is_full) {
+    std::filesystem::create_symlink("/dev/full", folder_ / ".whole.part");
+    EXPECT_THROW(small_checkpoint().write(folder_ / "whole"), Error);
+    EXPECT_TRUE(read_bytes(folder_ / "whole") == whole_);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / ".whole.part"));
+}
+
 TEST_F(CheckpointFile, sections_that_do_not_fit_are_refused) {
     const CheckpointReader reader(folder_ / "whole");
     EXPECT_THROW(reader.section("velocities"), Error);
