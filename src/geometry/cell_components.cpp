@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "geometry/cell_components_box.h"
@@ -15,9 +16,11 @@ namespace {
 
 using sub_voxel::Mask;
 
+/// A mesh that was clipped as closed needs a winding number only where lines along z find it open after all.
 SubVoxels sub_voxels_of(const TriangleMesh& mesh, const WindingNumber* winding, double pitch, const Threads& threads) {
     if (winding) return make_sub_voxels(mesh, *winding, pitch, threads);
-    return make_sub_voxels(mesh, WindingNumber(mesh), pitch, threads);
+    std::optional<SubVoxels> closed = sub_voxels_by_columns(mesh, pitch, threads);
+    return closed ? std::move(*closed) : sub_voxels_by_winding_number(mesh, WindingNumber(mesh), pitch, threads);
 }
 
 /// The parts of all boxes, by box.
