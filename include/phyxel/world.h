@@ -75,12 +75,6 @@ struct BodyReport {
     std::size_t fragments = 1;
 };
 
-/// Force [N] and torque [N m] that a fix exerts on its body; torque about the rest centre of what is held, moved with
-/// it.
-struct Reaction {
-    Vec3 force, torque;
-};
-
 /// Where a probe is now.
 struct ProbeReading {
     Vec3 rest, position;

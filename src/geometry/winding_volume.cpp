@@ -6,7 +6,7 @@ namespace phyxel {
 
 namespace {
 
-constexpr int coarsest_level = 3, finest_level = 6;  // 8 and 64 cells along each side
+constexpr int coarsest_level = 3, finest_level = 5;  // 8 and 32 cells along each side
 constexpr double clear_margin = 0.25;                // from 1/2, where a cell without surface counts as a whole
 constexpr double doubtful_below = 0.7;
 

@@ -10,10 +10,10 @@ struct WindingVolume {
     double doubtful = 0;  ///< part of it whose winding number is below 0.7: near large holes
 };
 
-/// Measures the region on an octree over the mesh's bounding box, whose cells are refined down to 1/64 of the box's
+/// Measures the region on an octree over the mesh's bounding box, whose cells are refined down to 1/32 of the box's
 /// sides where the surface passes or the winding number is within 0.25 of 1/2. On average, a cell that the surface
 /// passes is off by less than half its volume and errors are of either sign: the volume of a round body comes out to
-/// about 0.1 %.
+/// about 0.3 %. Finer cells were tried: 1/64 takes five times as long, half a second and more for an open scan.
 WindingVolume winding_volume(const TriangleMesh& mesh, const WindingNumber& winding_number);
 
 }  // namespace phyxel

@@ -1,0 +1,33 @@
+#include "forces/loads.h"
+
+namespace phyxel {
+
+SurfaceLoad::SurfaceLoad(const Model& model, const TriangleMesh& mesh, const Load& load, const Threads& threads)
+    : ramp_(load.ramp), pressure_(load.pressure) {
+    const SurfaceSelection selection = select_surface(model, mesh, load.box);
+    const Gradients gradients = pressure_ ? Gradients::yes : Gradients::no;
+    pieces_ = embed(model.sampling, model.approximation, selection.position, selection.cell, gradients, threads);
+    if (pressure_) {
+        for (const Vec3& area : selection.area) area_.push_back(model.sampling.frame.direction_to_rest(area));
+        return;
+    }
+    const Vec3 traction = load.traction ? *load.traction : *load.force / selection.total_area;
+    std::vector<Vec3> force(model.rest.size());
+    for (std::size_t s = 0; s < pieces_.size(); ++s)
+        for (std::uint32_t k = pieces_.offset[s]; k < pieces_.offset[s + 1]; ++k)
+            force[pieces_.node[k]] += pieces_.phi[k] * norm(selection.area[s]) * traction;
+    for (std::uint32_t i = 0; i < force.size(); ++i)
+        if (force[i] != Vec3{}) node_.push_back(i), force_.push_back(force[i]);
+    pieces_ = {};
+}
+
+void SurfaceLoad::add(double time, std::span<const Vec3> x, std::span<Vec3> f) const {
+    const double part = share(time);
+    for (std::size_t k = 0; k < node_.size(); ++k) f[node_[k]] += part * force_[k];
+    for (std::size_t s = 0; s < area_.size(); ++s) {
+        const Vec3 force = (-part * *pressure_) * (cofactor(pieces_.deformation_gradient(s, x)) * area_[s]);
+        for (std::uint32_t k = pieces_.offset[s]; k < pieces_.offset[s + 1]; ++k) f[pieces_.node[k]] += pieces_.phi[k] * force;
+    }
+}
+
+}  // namespace phyxel

@@ -1,0 +1,69 @@
+#include "forces/selection.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "phyxel/error.h"
+#include "sampling/memory_guard.h"
+
+namespace phyxel {
+namespace {
+
+using Polygon = std::vector<Vec3>;
+
+/// The part of a convex polygon with sign * (p[axis] - plane) <= 0.
+Polygon clip_half_space(const Polygon& polygon, int axis, double plane, double sign) {
+    Polygon kept;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double dp = sign * (p[axis] - plane), dq = sign * (q[axis] - plane);
+        if (dp <= 0) kept.push_back(p);
+        if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
+    }
+    return kept;
+}
+
+std::string format_point(const Vec3& p) {
+    return "[" + format_number(p.x) + ", " + format_number(p.y) + ", " + format_number(p.z) + "]";
+}
+
+}  // namespace
+
+SurfaceSelection select_surface(const Model& model, const TriangleMesh& mesh, const BoxSelection& box) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Vec3 low{infinity, infinity, infinity}, high = -low;
+    for (const Vec3& X : mesh.vertices)
+        for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], X[c]), high[c] = std::max(high[c], X[c]);
+    // A face that should lie on the box's own may miss it by rounding.
+    const double slack = 1e-9 * norm(high - low);
+
+    TriangleMesh inside;
+    for (const Triangle& t : mesh.triangles) {
+        Polygon polygon = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+        for (int axis = 0; axis < 3 && polygon.size() >= 3; ++axis) {
+            polygon = clip_half_space(polygon, axis, box.upper[axis] + slack, 1);
+            polygon = clip_half_space(polygon, axis, box.lower[axis] - slack, -1);
+        }
+        if (polygon.size() < 3) continue;
+        const auto first = static_cast<std::uint32_t>(inside.vertices.size());
+        for (const Vec3& X : polygon) inside.vertices.push_back(model.sampling.frame.to_lattice(X));
+        for (std::uint32_t k = 2; k < polygon.size(); ++k) inside.triangles.push_back({first, first + k - 1, first + k});
+    }
+
+    SurfaceSelection selection;
+    for (const SurfacePoint& piece : cut_surface(inside, model.sampling.pitch / 2)) {
+        if (norm(piece.area) == 0) continue;
+        selection.position.push_back(piece.position);
+        selection.area.push_back(piece.area);
+        selection.cell.push_back(model.sampling.locate(piece.position, piece.area));
+        selection.total_area += norm(piece.area);
+    }
+    const double extent = norm(high - low);
+    if (selection.total_area <= 1e-12 * extent * extent)
+        throw Error("the box from " + format_point(box.lower) + " to " + format_point(box.upper) +
+                    " selects nothing of the surface, which reaches from " + format_point(low) + " to " + format_point(high) +
+                    " m in rest space. Move or enlarge the box");
+    return selection;
+}
+
+}  // namespace phyxel

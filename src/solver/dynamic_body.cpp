@@ -1,0 +1,68 @@
+#include "solver/dynamic_body.h"
+
+#include <cmath>
+
+namespace phyxel {
+namespace {
+
+constexpr std::size_t chunk = 1024;
+
+double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threads& threads) {
+    return threads.sum(force.size(), chunk,
+                       [&](std::size_t i) { return 0.5 * dot(force[i], body.previous[i] + body.state.v[i]); });
+}
+
+}  // namespace
+
+void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, double dt, const Threads& threads) {
+    const std::size_t n = b.model.rest.size();
+    b.force.resize(n);
+    b.viscous_power = internal_forces(b.model, b.state.x, b.state.v, around.stiffness_damping, b.work, threads, b.force);
+    threads.for_each(n, chunk, [&](std::size_t i) { b.force[i] += b.model.mass[i] * around.gravity; });
+    if (!b.loads.empty()) {
+        b.load_force.assign(n, {});
+        for (const SurfaceLoad& load : b.loads) load.add(time, b.state.x, b.load_force);
+        threads.for_each(n, chunk, [&](std::size_t i) { b.force[i] += b.load_force[i]; });
+    }
+    b.touching = 0;
+    if (b.contact && !around.colliders.empty()) {
+        b.friction_force.assign(n, {});
+        b.touching = b.contact->add_forces(around.colliders, b.state.x, b.state.v, dt, threads, b.force, b.friction_force);
+    }
+}
+
+void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_length, double time, const Threads& threads) {
+    const std::size_t n = b.model.rest.size();
+    b.previous = b.state.v;
+    // Exact for a constant force: v' = e v + (1 - e)/alpha f/m, e = exp(-alpha dt).
+    const double alpha = around.mass_damping;
+    const double keep = std::exp(-alpha * dt), length = alpha > 0 ? -std::expm1(-alpha * dt) / alpha : dt;
+    threads.for_each(n, chunk, [&](std::size_t i) {
+        b.state.v[i] = keep * b.previous[i] + length * b.model.inverse_mass[i] * b.force[i];
+    });
+    if (!b.constraints.empty()) {
+        b.impulse.assign(n, {});
+        b.constraints.project(time, drift_length, b.state.x, b.state.v, b.impulse);
+        b.exchanged.external += work_of(b.impulse, b, threads);
+    }
+
+    // An impulse j changes the kinetic energy by j (v + v')/2.
+    if (!b.loads.empty()) b.exchanged.external += dt * work_of(b.load_force, b, threads);
+    if (b.touching > 0) b.exchanged.friction -= dt * work_of(b.friction_force, b, threads);
+    b.exchanged.damping += dt * b.viscous_power;
+    if (alpha > 0)
+        b.exchanged.damping += threads.sum(n, chunk, [&](std::size_t i) {
+            const Vec3 lost = b.model.mass[i] * (1 - keep) * b.previous[i] + (dt - length) * b.force[i];
+            return 0.5 * dot(lost, b.previous[i] + b.state.v[i]);
+        });
+}
+
+void drift(DynamicBody& b, double dt, const Threads& threads) {
+    threads.for_each(b.state.x.size(), chunk, [&](std::size_t i) { b.state.x[i] += dt * b.state.v[i]; });
+}
+
+double kinetic_energy(const DynamicBody& b, const Threads& threads) {
+    return 0.5 * threads.sum(b.state.v.size(), chunk, [&](std::size_t i) { return b.model.mass[i] * norm_squared(b.state.v[i]); });
+}
+
+}  // namespace phyxel

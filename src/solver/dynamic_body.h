@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "contact/contact.h"
+#include "forces/constraints.h"
+#include "forces/internal_forces.h"
+#include "forces/loads.h"
+#include "solver/stable_step.h"
+#include "surface/embedded_surface.h"
+
+namespace phyxel {
+
+/// What acts on every body of a world.
+struct Surroundings {
+    Vec3 gravity{};
+    double mass_damping = 0;        ///< [1/s]
+    double stiffness_damping = 0;   ///< [s]
+    std::vector<Collider> colliders;
+};
+
+/// Amounts of energy [J] that left or entered a body since the start.
+struct Exchanged {
+    double external = 0, damping = 0, friction = 0;
+};
+
+/// A body in motion: what it is, where it is, and what acts on it.
+struct DynamicBody {
+    TriangleMesh mesh;                            ///< the surface as simulated, rest space
+    Model model;
+    State state;
+    std::optional<EmbeddedSurface> surface;
+    Constraints constraints;
+    std::vector<SurfaceLoad> loads;
+    std::optional<ContactSamples> contact;
+    Exchanged exchanged;
+    LargestFrequency frequency;
+    double rest_step = 0;                         ///< [s] stable step of the body at rest
+    double step_limit = 0;                        ///< [s] stable step of the body as it is now
+    std::size_t touching = 0;                     ///< contact samples inside of an obstacle
+
+    // Work arrays [nodes].
+    ForceWorkspace work;
+    std::vector<Vec3> force;                      ///< all forces but the constraints' [N]
+    std::vector<Vec3> load_force, friction_force; ///< two of their parts [N]
+    std::vector<Vec3> impulse, previous;          ///< of the constraints [N s]; velocity before a kick [m/s]
+    double viscous_power = 0;                     ///< [W]
+};
+
+/// Evaluates the forces at the body's positions and velocities; `dt` is the length of the coming kick, which limits friction.
+void evaluate_forces(DynamicBody& body, const Surroundings& around, double time, double dt, const Threads& threads);
+
+/// v += dt f/m with exact mass damping exp(-alpha dt), then the fixes: `drift` is how far positions will go with the new
+/// velocity, up to `time`; 0 when they stay. Books the work done.
+void kick(DynamicBody& body, const Surroundings& around, double dt, double drift, double time, const Threads& threads);
+
+/// x += dt v.
+void drift(DynamicBody& body, double dt, const Threads& threads);
+
+/// sum m |v|^2 / 2 [J].
+double kinetic_energy(const DynamicBody& body, const Threads& threads);
+
+}  // namespace phyxel

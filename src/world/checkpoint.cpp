@@ -1,0 +1,91 @@
+#include <string>
+
+#include "base/hash.h"
+#include "phyxel/error.h"
+#include "phyxel/version.h"
+#include "phyxel/world.h"
+#include "world/checkpoint_file.h"
+#include "world/parts.h"
+
+namespace phyxel {
+namespace {
+
+/// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials, obstacles.
+std::uint64_t fingerprint(const World::Parts& p) {
+    Hasher hasher;
+    hasher.add_value(p.settings.time_step);
+    hasher.add_value(p.around.gravity);
+    hasher.add_value(p.around.mass_damping);
+    hasher.add_value(p.around.stiffness_damping);
+    hasher.add_value(static_cast<std::uint64_t>(p.settings.integrator));
+    hasher.add_value(static_cast<std::uint64_t>(p.around.colliders.size()));
+    for (const auto& body : p.bodies) {
+        const Model& m = body->model;
+        hasher.add_values(std::span<const Vec3>(m.rest));
+        hasher.add_values(std::span<const double>(m.mass));
+        hasher.add_values(std::span<const double>(m.volumes));
+        hasher.add_values(std::span<const Vec3>(m.stencils.gradient));
+        for (double value : {m.settings.density, m.settings.youngs_modulus, m.settings.poissons_ratio, m.settings.volume_stiffness,
+                             m.stabilization, body->rest_step})
+            hasher.add_value(value);
+        hasher.add_value(static_cast<std::uint64_t>(m.settings.law));
+        hasher.add_value(static_cast<std::uint64_t>(body->loads.size()));
+        hasher.add_values(body->constraints.held_nodes());
+    }
+    return hasher.value();
+}
+
+std::string section(std::size_t body, const char* what) { return "body." + std::to_string(body) + "." + what; }
+
+}  // namespace
+
+void World::save_checkpoint(const std::filesystem::path& path) const {
+    const Parts& p = *parts_;
+    CheckpointWriter file;
+    file.add_value("fingerprint", fingerprint(p));
+    file.add_value("time", p.time);
+    file.add_value("largest_energy", p.largest_energy);
+    for (std::size_t i = 0; i < p.bodies.size(); ++i) {
+        DynamicBody& body = *p.bodies[i];
+        file.add_values(section(i, "x"), std::span<const Vec3>(body.state.x));
+        file.add_values(section(i, "v"), std::span<const Vec3>(body.state.v));
+        file.add_values(section(i, "mode"), std::span<const Vec3>(body.frequency.mode()));
+        file.add_value(section(i, "step_limit"), body.step_limit);
+        file.add_value(section(i, "exchanged"), body.exchanged);
+        file.add_value(section(i, "energy_at_start"), p.infos[i].energy_at_start);
+        file.add_value(section(i, "gravity_at_start"), p.infos[i].gravity_at_start);
+    }
+    file.write(path);
+}
+
+void World::load_checkpoint(const std::filesystem::path& path) {
+    Parts& p = *parts_;
+    const CheckpointReader file(path);
+    if (file.value<std::uint64_t>("fingerprint") != fingerprint(p))
+        throw Error(path.string() + ": this checkpoint is of another world (written by version " + file.library_version() +
+                    "): its bodies, materials, settings or obstacles differ from the scene's. Resume with the scene and the --set "
+                    "values that wrote it");
+    // All is read before anything changes.
+    std::vector<State> states;
+    for (std::size_t i = 0; i < p.bodies.size(); ++i) {
+        const std::size_t n = p.bodies[i]->model.rest.size();
+        states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
+        (void)file.values<Vec3>(section(i, "mode"), n);
+        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start"}) (void)file.value<double>(section(i, what));
+        (void)file.value<Exchanged>(section(i, "exchanged"));
+    }
+    p.time = file.value<double>("time");
+    p.largest_energy = file.value<double>("largest_energy");
+    for (std::size_t i = 0; i < p.bodies.size(); ++i) {
+        DynamicBody& body = *p.bodies[i];
+        body.state = std::move(states[i]);
+        body.frequency.mode() = file.values<Vec3>(section(i, "mode"));
+        body.step_limit = file.value<double>(section(i, "step_limit"));
+        body.exchanged = file.value<Exchanged>(section(i, "exchanged"));
+        p.infos[i].energy_at_start = file.value<double>(section(i, "energy_at_start"));
+        p.infos[i].gravity_at_start = file.value<double>(section(i, "gravity_at_start"));
+        body.surface->update(body.state.x, p.threads);
+    }
+}
+
+}  // namespace phyxel

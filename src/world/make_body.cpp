@@ -1,0 +1,148 @@
+#include "world/make_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/bvh.h"
+#include "geometry/mesh_check.h"
+#include "geometry/thickness.h"
+#include "geometry/winding_number.h"
+#include "phyxel/error.h"
+#include "sampling/memory_guard.h"
+
+namespace phyxel {
+namespace {
+
+[[noreturn]] void refuse(const std::string& field, double found, const std::string& expected) {
+    throw Error("body " + field + ": found " + format_number(found) + ", expected " + expected);
+}
+
+void check_axis(const AxisAngle& rotation, const std::string& field) {
+    if (!is_finite(rotation.axis) || norm(rotation.axis) == 0) throw Error("body " + field + ".axis: expected a vector of any length but zero");
+    if (!std::isfinite(rotation.degrees)) refuse(field + ".degrees", rotation.degrees, "a finite number");
+}
+
+std::string format_place(const Vec3& p) {
+    return "[" + format_number(p.x) + ", " + format_number(p.y) + ", " + format_number(p.z) + "]";
+}
+
+void warn_of_thin_parts(const TriangleMesh& mesh, double spacing, World::Parts& parts) {
+    const Thickness thickness = measure_thickness(mesh);
+    if (!(thickness.thinnest < 2 * spacing)) return;
+    if (thickness.thinnest >= spacing) {
+        parts.warn("a part of the body is thinner than two spacings: its bending stiffness may be off by some per cent");
+    } else {
+        parts.warn("a part of the body is " + format_number(thickness.thinnest) + " m thin at " + format_place(thickness.place) +
+                   ", less than one spacing: a spacing of " + format_number(thickness.thinnest / 2) + " m would resolve it");
+    }
+}
+
+void warn_of_stencils(const StencilReport& report, World::Parts& parts) {
+    if (report.deficient > 0)
+        parts.warn("quadrature points whose nodes span no volume (a plate, strand or speck of the body near " +
+                       format_place(report.deficient_place) + "); a finer spacing gives it some",
+                   report.deficient);
+    if (!report.consistent)
+        parts.warn("the consistency correction stopped at a patch error of " + format_number(report.consistency_after) +
+                   " (from " + format_number(report.consistency_before) + "): local stress near the surface is less accurate");
+}
+
+/// The surface that is handed out: the caller's own vertices and triangles, seams included, unless triangles had to be dropped
+/// or turned; then the mended mesh.
+void make_surface(DynamicBody& body, const TriangleMesh& original, const CheckedMesh& checked, const Threads& threads) {
+    const std::vector<Vec3> normals = vertex_normals(checked.mesh);
+    if (checked.mesh.triangles.size() != original.triangles.size() || checked.report.flipped_triangles > 0 || checked.report.inside_out) {
+        body.surface.emplace(body.model, checked.mesh, normals, threads);
+        return;
+    }
+    std::vector<Vec3> own(original.vertices.size());
+    for (std::size_t v = 0; v < own.size(); ++v)
+        if (checked.vertex_of[v] != no_index) own[v] = normals[checked.vertex_of[v]];
+    body.surface.emplace(body.model, original, own, threads);
+}
+
+double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 n = cross(b - a, c - a);
+    const double area_squared = norm_squared(n);
+    if (area_squared > 0) {
+        // Above the triangle: barycentric coordinates of the foot point all positive.
+        const double u = dot(cross(c - b, p - b), n), v = dot(cross(a - c, p - c), n), w = dot(cross(b - a, p - a), n);
+        if (u >= 0 && v >= 0 && w >= 0) return std::abs(dot(p - a, n)) / std::sqrt(area_squared);
+    }
+    const auto to_edge = [&](const Vec3& q, const Vec3& r) {
+        const double length_squared = norm_squared(r - q);
+        const double t = length_squared > 0 ? std::clamp(dot(p - q, r - q) / length_squared, 0.0, 1.0) : 0.0;
+        return norm(p - (q + t * (r - q)));
+    };
+    return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> find_cell_of_point(const DynamicBody& body, const Vec3& rest_point) {
+    if (!is_finite(rest_point)) return {};
+    const TriangleMesh& mesh = body.mesh;
+    if (!WindingNumber(mesh).inside(rest_point)) {
+        const Bounds bounds = bounding_box(mesh);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Triangle& t : mesh.triangles)
+            nearest = std::min(nearest, distance_to_triangle(rest_point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+        if (nearest > 1e-6 * norm(bounds.size())) return {};
+    }
+    return body.model.sampling.locate(body.model.sampling.frame.to_lattice(rest_point), {});
+}
+
+void validate(const BodySettings& s) {
+    if (!(s.scale > 0) || !std::isfinite(s.scale)) refuse("scale", s.scale, "a finite number above 0");
+    check_axis(s.rotation, "rotation");
+    check_axis(s.lattice_rotation, "sampling.rotation");
+    if (!is_finite(s.translation)) throw Error("body translation: expected finite numbers [m]");
+    if (!is_finite(s.velocity)) throw Error("body velocity: expected finite numbers [m/s]");
+    if (!is_finite(s.lattice_offset)) throw Error("body sampling.offset: expected finite numbers [spacings]");
+    if (!(s.spacing >= 0) || !std::isfinite(s.spacing)) refuse("spacing", s.spacing, "a finite number above 0 [m], or 0 to use count");
+    if (s.spacing == 0 && s.count < 4) refuse("count", static_cast<double>(s.count), "at least 4 nodes");
+    const Kernel& k = s.kernel;
+    if (k.neighbors == 0 && k.support != 0 && !(k.support >= 1.2 && k.support <= 8))
+        refuse("kernel.support", k.support, "1.2 to 8 spacings, or 0 for the default");
+    if (k.neighbors != 0 && (k.neighbors < 8 || k.neighbors > 1000)) refuse("kernel.neighbors", k.neighbors, "8 to 1000, or 0 for none");
+    if (k.neighbors != 0 && !(k.dilation >= 1.01 && k.dilation <= 4)) refuse("kernel.dilation", k.dilation, "1.01 to 4");
+    if (!std::isfinite(s.stabilization) || s.stabilization > 10) refuse("stabilization", s.stabilization, "0 to 10, or -1 for the default");
+    validate(s.material);
+}
+
+TriangleMesh placed(const TriangleMesh& mesh, const BodySettings& settings) {
+    TriangleMesh result = mesh;
+    const Mat3 R = rotation_matrix(settings.rotation);
+    for (Vec3& X : result.vertices) X = R * (settings.scale * X) + settings.translation;
+    return result;
+}
+
+std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySettings& settings, World::Parts& parts,
+                                       MeshReport& mesh_report) {
+    validate(settings);
+    const TriangleMesh placed_mesh = placed(mesh, settings);
+    CheckedMesh checked = check_and_repair(placed_mesh);
+    mesh_report = checked.report;
+    if (!checked.report.can_be_simulated)
+        throw Error((mesh.source.empty() ? "mesh" : mesh.source) + ": cannot be simulated: " + checked.report.refusal);
+    for (const std::string& repair : checked.report.repairs) parts.warn(repair);
+
+    const double spacing = settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
+    Sampling sampling = sample(checked, settings, spacing, parts.threads);
+    warn_of_thin_parts(checked.mesh, spacing, parts);
+
+    auto body = std::make_unique<DynamicBody>();
+    StencilReport report;
+    body->model = build_model(std::move(sampling), settings, parts.threads, report);
+    warn_of_stencils(report, parts);
+    body->state.x = body->model.rest;
+    body->state.v.assign(body->model.rest.size(), settings.velocity);
+    make_surface(*body, placed_mesh, checked, parts.threads);
+    body->mesh = std::move(checked.mesh);
+    estimate_rest_step(*body, parts.around, parts.threads);
+    body->contact.emplace(body->model, body->mesh, body->rest_step, parts.threads);
+    return body;
+}
+
+}  // namespace phyxel

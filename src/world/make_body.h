@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "world/parts.h"
+
+namespace phyxel {
+
+/// Throws `Error` naming the field unless `settings` can make a body.
+void validate(const BodySettings& settings);
+
+/// The mesh where `settings` place it: scaled, turned, shifted. Rest space.
+TriangleMesh placed(const TriangleMesh& mesh, const BodySettings& settings);
+
+/// Makes a body from a mesh, and notes warnings. Throws `Error` when the mesh is refused or the settings do not fit it.
+std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySettings& settings, World::Parts& parts,
+                                       MeshReport& mesh_report);
+
+/// The cell of a point in rest space that lies inside of the body, to 1e-6 of its size; nothing for a point outside.
+std::optional<std::uint32_t> find_cell_of_point(const DynamicBody& body, const Vec3& rest_point);
+
+}  // namespace phyxel

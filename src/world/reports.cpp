@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <cmath>
+
+#include "material/stress_measures.h"
+#include "phyxel/world.h"
+#include "world/parts.h"
+
+namespace phyxel {
+
+EnergyLedger World::Parts::ledger() {
+    EnergyLedger sum;
+    Exchanged exchanged = lost_with_bodies;
+    double start = 0, gravity_at_start = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        DynamicBody& body = *bodies[i];
+        const BodyEnergy e = body_energy(body, around, threads);
+        sum.kinetic += e.kinetic;
+        sum.elastic += e.elastic;
+        sum.stabilization += e.stabilization;
+        sum.gravitational += e.gravitational;
+        sum.contact += e.contact;
+        exchanged.external += body.exchanged.external;
+        exchanged.damping += body.exchanged.damping;
+        exchanged.friction += body.exchanged.friction;
+        start += infos[i].energy_at_start;
+        gravity_at_start += infos[i].gravity_at_start;
+    }
+    sum.external_work = exchanged.external;
+    sum.damping = exchanged.damping;
+    sum.friction = exchanged.friction;
+    const double stored = sum.kinetic + sum.elastic + sum.stabilization + sum.contact;
+    largest_energy = std::max({largest_energy, stored, std::abs(sum.gravitational - gravity_at_start), std::abs(sum.external_work),
+                               sum.damping + sum.friction});
+    const double missing = stored + sum.gravitational + sum.damping + sum.friction - sum.external_work - start;
+    sum.balance_error = largest_energy > 0 ? std::abs(missing) / largest_energy : 0;
+    return sum;
+}
+
+void World::Parts::note_energy() { (void)ledger(); }
+
+EnergyLedger World::energy() const { return parts_->ledger(); }
+
+BodyReport World::report(BodyId id) const {
+    const std::size_t index = parts_->index_of(id);
+    const DynamicBody& body = *parts_->bodies[index];
+    const Model& m = body.model;
+    BodyReport r;
+    r.nodes = m.rest.size();
+    r.quadrature_points = m.volumes.size();
+    r.mean_neighbors = static_cast<double>(m.stencils.pairs()) / static_cast<double>(m.stencils.points());
+    r.spacing = m.sampling.spacing;
+    r.mass = m.total_mass;
+    r.rest_volume = m.sampling.clipped_volume;
+    r.mesh_volume = parts_->infos[index].mesh_report.volume;
+    const std::vector<Mat3> F = deformation_gradients(m, body.state.x, parts_->threads);
+    r.volume = parts_->threads.sum(F.size(), 1024, [&](std::size_t q) { return m.volumes[q] * determinant(F[q]); });
+    return r;
+}
+
+PointFields World::point_fields(BodyId id) const {
+    const DynamicBody& body = parts_->body(id);
+    const Model& m = body.model;
+    const EmbeddedPoints points =
+        embed(m.sampling, m.approximation, m.sampling.points, m.sampling.point_cell, Gradients::no, parts_->threads);
+    PointFields fields;
+    fields.volumes = m.volumes;
+    fields.deformation_gradient = deformation_gradients(m, body.state.x, parts_->threads);
+    const std::size_t n = m.volumes.size();
+    fields.positions.resize(n);
+    fields.cauchy_stress.resize(n);
+    fields.von_mises.resize(n);
+    fields.principal_stress.resize(n);
+    fields.energy_density.resize(n);
+    parts_->threads.for_each(n, 256, [&](std::size_t q) {
+        const Mat3& F = fields.deformation_gradient[q];
+        fields.positions[q] = points.position(q, body.state.x);
+        fields.cauchy_stress[q] = cauchy_stress(F, stress(m.material, F));
+        fields.von_mises[q] = von_mises(fields.cauchy_stress[q]);
+        fields.principal_stress[q] = principal(fields.cauchy_stress[q]);
+        fields.energy_density[q] = phyxel::energy(m.material, F);
+    });
+    return fields;
+}
+
+std::vector<float> World::surface_von_mises(BodyId id) const {
+    const DynamicBody& body = parts_->body(id);
+    const EmbeddedPoints& points = body.surface->points();
+    std::vector<float> values(points.size());
+    parts_->threads.for_each(values.size(), 256, [&](std::size_t v) {
+        const Mat3 F = points.deformation_gradient(v, body.state.x);
+        values[v] = static_cast<float>(von_mises(cauchy_stress(F, stress(body.model.material, F))));
+    });
+    return values;
+}
+
+}  // namespace phyxel

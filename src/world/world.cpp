@@ -1,0 +1,240 @@
+#include "phyxel/world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/hash.h"
+#include "phyxel/error.h"
+#include "sampling/memory_guard.h"
+#include "world/make_body.h"
+#include "world/parts.h"
+
+namespace phyxel {
+namespace {
+
+void check_settings(const WorldSettings& s) {
+    if (!(s.time_step > 0) || !std::isfinite(s.time_step))
+        throw Error("time_step: found " + format_number(s.time_step) + ", expected a finite number above 0 [s]");
+    if (!is_finite(s.gravity)) throw Error("gravity: expected finite numbers [m/s^2]");
+    if (!(s.mass_damping >= 0) || !std::isfinite(s.mass_damping))
+        throw Error("mass_damping: found " + format_number(s.mass_damping) + ", expected a finite number of at least 0 [1/s]");
+    if (!(s.stiffness_damping >= 0) || !std::isfinite(s.stiffness_damping))
+        throw Error("stiffness_damping: found " + format_number(s.stiffness_damping) + ", expected a finite number of at least 0 [s]");
+    if (s.threads < 0 || s.threads > 1024)
+        throw Error("threads: found " + std::to_string(s.threads) + ", expected 1 to 1024, or 0 for all of the machine's");
+}
+
+void check_box(const BoxSelection& box, const char* what) {
+    for (int c = 0; c < 3; ++c)
+        if (!(box.lower[c] <= box.upper[c]))
+            throw Error(std::string(what) + " box: its lower corner is above its upper one; swap them");
+}
+
+}  // namespace
+
+std::size_t World::Parts::index_of(BodyId id) const {
+    if (id.index >= slots.size() || !slots[id.index].alive || slots[id.index].generation != id.generation)
+        throw Error("this body is not, or no longer, in the world");
+    return slots[id.index].body;
+}
+
+World::World(const WorldSettings& settings) : parts_(std::make_unique<Parts>()) {
+    check_settings(settings);
+    parts_->settings = settings;
+    parts_->threads = settings.parallel_for ? Threads(settings.parallel_for) : Threads(settings.threads);
+    parts_->around = {settings.gravity, settings.mass_damping, settings.stiffness_damping, {}};
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
+    Parts& p = *parts_;
+    Parts::BodyInfo info;
+    auto body = make_body(mesh, settings, p, info.mesh_report);
+    const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
+    if (depth > 0.01 * body->model.node_length) p.warn("a body begins " + format_number(depth) + " m inside of a collider");
+    const BodyEnergy energy = body_energy(*body, p.around, p.threads);
+    info.energy_at_start = energy.total();
+    info.gravity_at_start = energy.gravitational;
+    auto free = std::find_if(p.slots.begin(), p.slots.end(), [](const Parts::Slot& s) { return !s.alive; });
+    if (free == p.slots.end()) free = p.slots.insert(p.slots.end(), Parts::Slot{});
+    free->alive = true;
+    free->body = p.bodies.size();
+    info.id = {static_cast<std::uint32_t>(free - p.slots.begin()), free->generation};
+    p.bodies.push_back(std::move(body));
+    p.infos.push_back(std::move(info));
+    p.note_energy();
+    return p.infos.back().id;
+}
+
+void World::remove_body(BodyId id) {
+    Parts& p = *parts_;
+    const std::size_t index = p.index_of(id);
+    p.bodies.erase(p.bodies.begin() + static_cast<std::ptrdiff_t>(index));
+    p.infos.erase(p.infos.begin() + static_cast<std::ptrdiff_t>(index));
+    p.slots[id.index].alive = false;
+    ++p.slots[id.index].generation;
+    for (Parts::Slot& slot : p.slots)
+        if (slot.alive && slot.body > index) --slot.body;
+}
+
+std::size_t World::add_collider(const Plane& plane) {
+    parts_->around.colliders.emplace_back(plane);
+    return parts_->around.colliders.size() - 1;
+}
+
+std::size_t World::add_collider(const Sphere& sphere) {
+    parts_->around.colliders.emplace_back(sphere);
+    return parts_->around.colliders.size() - 1;
+}
+
+std::size_t World::add_collider(const Box& box) {
+    parts_->around.colliders.emplace_back(box);
+    return parts_->around.colliders.size() - 1;
+}
+
+std::size_t World::add_fix(BodyId id, const Fix& fix) {
+    Parts& p = *parts_;
+    check_box(fix.box, "fix");
+    if (!(fix.x || fix.y || fix.z)) throw Error("fix directions: expected at least one of x, y, z");
+    if (!is_finite(fix.axis) || norm(fix.axis) == 0) throw Error("fix axis: expected a vector of any length but zero");
+    for (std::size_t k = 1; k < fix.path.size(); ++k)
+        if (!(fix.path[k].time > fix.path[k - 1].time)) throw Error("fix path: the times of its keys must rise");
+    DynamicBody& body = p.body(id);
+    p.fixes.push_back({id, body.constraints.add(body.model, body.mesh, fix, p.threads)});
+    return p.fixes.size() - 1;
+}
+
+std::size_t World::add_load(BodyId id, const Load& load) {
+    Parts& p = *parts_;
+    check_box(load.box, "load");
+    if (load.force.has_value() + load.traction.has_value() + load.pressure.has_value() != 1)
+        throw Error("load: expected exactly one of force, traction, pressure");
+    if (!(load.ramp >= 0)) throw Error("load ramp: found " + format_number(load.ramp) + ", expected at least 0 [s]");
+    DynamicBody& body = p.body(id);
+    body.loads.emplace_back(body.model, body.mesh, load, p.threads);
+    return body.loads.size() - 1;
+}
+
+std::size_t World::add_probe(BodyId id, const Vec3& rest_point) {
+    Parts& p = *parts_;
+    const DynamicBody& body = p.body(id);
+    const auto cell = find_cell_of_point(body, rest_point);
+    if (!cell)
+        throw Error("probe at [" + format_number(rest_point.x) + ", " + format_number(rest_point.y) + ", " +
+                    format_number(rest_point.z) + "] lies outside of its body. Move it inside (rest space)");
+    const Vec3 position = body.model.sampling.frame.to_lattice(rest_point);
+    p.probes.push_back({id, rest_point,
+                        embed(body.model.sampling, body.model.approximation, std::span(&position, 1), std::span(&*cell, 1),
+                              Gradients::no, p.threads)});
+    return p.probes.size() - 1;
+}
+
+StepReport World::step() { return advance(parts_->settings.time_step); }
+
+StepReport World::advance(double seconds) {
+    Parts& p = *parts_;
+    StepReport total;
+    double left = seconds;
+    while (left > 1e-12 * seconds && total.status == StepStatus::ok) {
+        // The last step is as short as it must be; one that would leave a sliver takes it along.
+        const double dt = left < p.settings.time_step * (1 + 1e-9) ? left : p.settings.time_step;
+        const StepReport one = phyxel::advance(p.bodies, p.around, p.settings.integrator, p.time, dt, p.threads);
+        total.status = one.status;
+        total.message = one.message;
+        total.substeps += one.substeps;
+        total.retries += one.retries;
+        total.substep = one.substep;
+        total.contacts = one.contacts;
+        total.advanced += one.advanced;
+        p.time += one.advanced;
+        if (one.advanced > 0) p.measured_seconds = one.advanced;
+        if (one.retries > 0) p.warn("steps that were thrown away and cut into smaller ones", one.retries);
+        p.note_energy();
+        left -= dt;
+    }
+    for (auto& body : p.bodies) body->surface->update(body->state.x, p.threads);
+    return total;
+}
+
+void World::set_gravity(const Vec3& gravity) {
+    Parts& p = *parts_;
+    if (!is_finite(gravity)) throw Error("gravity: expected finite numbers [m/s^2]");
+    // Potential energy counts from where each body is: changing the field is no work.
+    std::vector<double> before;
+    for (auto& body : p.bodies) before.push_back(body_energy(*body, p.around, p.threads).gravitational);
+    p.around.gravity = p.settings.gravity = gravity;
+    for (std::size_t i = 0; i < p.bodies.size(); ++i) {
+        const double change = body_energy(*p.bodies[i], p.around, p.threads).gravitational - before[i];
+        p.infos[i].energy_at_start += change;
+        p.infos[i].gravity_at_start += change;
+    }
+}
+
+void World::set_velocity(BodyId id, const Vec3& velocity) {
+    Parts& p = *parts_;
+    if (!is_finite(velocity)) throw Error("velocity: expected finite numbers [m/s]");
+    DynamicBody& body = p.body(id);
+    const double before = kinetic_energy(body, p.threads);
+    std::fill(body.state.v.begin(), body.state.v.end(), velocity);
+    body.exchanged.external += kinetic_energy(body, p.threads) - before;
+}
+
+void World::set_material(BodyId id, const Material& material) {
+    Parts& p = *parts_;
+    validate(material);
+    DynamicBody& body = p.body(id);
+    if (material.density != body.model.settings.density)
+        throw Error("material density: found " + format_number(material.density) + ", expected the body's own, " +
+                    format_number(body.model.settings.density) + " kg/m^3; its mass does not change");
+    const double before = body_energy(body, p.around, p.threads).total();
+    phyxel::set_material(body.model, material);
+    body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
+    estimate_rest_step(body, p.around, p.threads);
+    body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
+}
+
+double World::time() const { return parts_->time; }
+
+double World::stable_substep() const {
+    double limit = parts_->settings.time_step;
+    for (const auto& body : parts_->bodies) limit = std::min(limit, body->step_limit);
+    return limit;
+}
+
+std::span<const Vec3> World::rest_positions(BodyId id) const { return parts_->body(id).model.rest; }
+std::span<const Vec3> World::positions(BodyId id) const { return parts_->body(id).state.x; }
+std::span<const Vec3> World::velocities(BodyId id) const { return parts_->body(id).state.v; }
+std::span<const double> World::masses(BodyId id) const { return parts_->body(id).model.mass; }
+const Surface& World::surface(BodyId id) const { return *parts_->body(id).surface; }
+const MeshReport& World::mesh_report(BodyId id) const { return parts_->infos[parts_->index_of(id)].mesh_report; }
+
+Reaction World::reaction(std::size_t fix) const {
+    const Parts::FixName& name = parts_->fixes.at(fix);
+    return parts_->body(name.body).constraints.reaction(name.number, parts_->measured_seconds);
+}
+
+ProbeReading World::probe(std::size_t probe) const {
+    const Parts::Probe& p = parts_->probes.at(probe);
+    return {p.rest, p.point.position(0, parts_->body(p.body).state.x)};
+}
+
+std::vector<Warning> World::warnings() const {
+    std::vector<Warning> list;
+    for (const auto& [message, count] : parts_->warnings) list.push_back({message, count});
+    return list;
+}
+
+std::uint64_t World::state_hash() const {
+    Hasher hasher;
+    hasher.add_value(parts_->time);
+    for (const auto& body : parts_->bodies) {
+        hasher.add_values(std::span<const Vec3>(body->state.x));
+        hasher.add_values(std::span<const Vec3>(body->state.v));
+    }
+    return hasher.value();
+}
+
+}  // namespace phyxel
