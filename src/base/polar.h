@@ -30,7 +30,9 @@ inline double largest_root(double norm_squared, double det, double constant) {
         if (!(slope > 0)) break;
         const double next = l - value / slope;
         if (!(next < l)) break;
+        const bool converged = l - next < 1e-9 * l;  // quadratic: what is left is below rounding
         l = next;
+        if (converged) break;
     }
     return l;
 }
