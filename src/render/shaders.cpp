@@ -113,7 +113,7 @@ void main() {
         for (int x = -12; x <= 12; ++x) {
             ivec2 there = clamp(here + ivec2(x, y), ivec2(0), size - 1);
             float d = texelFetch(heights, there, 0).r;
-            float h = max(d * depth - below, 0.6 * texel), r2 = float(x * x + y * y) * texel * texel;
+            float h = max(d * depth - below, 1.5 * texel), r2 = float(x * x + y * y) * texel * texel;
             float share = h * h / ((h * h + r2) * (h * h + r2));
             sum += d < 1.0 ? share : 0.0;
         }
