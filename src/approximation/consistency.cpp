@@ -135,9 +135,10 @@ void apply_correction(const ConsistencyInput& input, std::span<const LinearFit> 
 
 ConsistencyReport make_consistent(const ConsistencyInput& input, std::span<Vec3> gradient, const Threads& threads) {
     ConsistencyReport report;
-    const double scale = force_scale(input, gradient);
     std::vector<Vec3> residual(input.residual.begin(), input.residual.end());
-    const auto relative = [&] { return scale > 0 ? max_norm(residual) / scale : 0; };
+    if (max_norm(residual) == 0) return report;
+    const double scale = std::max(force_scale(input, gradient), max_norm(residual));
+    const auto relative = [&] { return max_norm(residual) / scale; };
     report.residual_before = report.residual_after = relative();
     if (report.residual_before <= tolerance) return report;
 

@@ -23,8 +23,9 @@ struct ConsistencyInput {
     KernelShape kernel = KernelShape::quartic_spline;
 };
 
-/// What the correction did. Residuals are the largest |r_i| over the largest sum_q V_q |g_qi| of a node, which is what
-/// the error of the force patch test is measured in.
+/// What the correction did. Residuals are the largest |r_i| over the largest sum_q V_q |g_qi| of a node (or over the
+/// largest |r_i| at the start, where that is greater): about half the error of the force patch test, which is relative
+/// to |b_i|.
 struct ConsistencyReport {
     double residual_before = 0;
     double residual_after = 0;
