@@ -28,7 +28,8 @@ private:
         if (level >= coarsest_level) {
             const double w = winding_number_(center);
             const bool decided = candidates.empty() && std::abs(w - 0.5) > clear_margin;
-            if (decided || level == finest_level) return add(8 * half.x * half.y * half.z, w);
+            if (decided || level == finest_level)
+                return add(8 * half.x * half.y * half.z * inside_share(center, half, w, candidates), w);
         }
         const Vec3 quarter = 0.5 * half;
         std::vector<std::uint32_t> passing;
@@ -52,10 +53,34 @@ private:
         return std::abs(dot(normal, center - corner)) <= reach * (1 + 1e-12);
     }
 
+    /// The share of a cell that lies inside. Where a surface passes that parts inside from outside, the nearest plane
+    /// cuts the cell, and the share is taken to be linear in the centre's height above it.
+    double inside_share(const Vec3& center, const Vec3& half, double w,
+                        const std::vector<std::uint32_t>& passing) const {
+        const double whole = w > 0.5 ? 1 : 0;
+        double height = 0, nearest = INFINITY, reach = 0;
+        Vec3 plane;
+        for (const std::uint32_t t : passing) {
+            const auto& [a, b, c] = mesh_.triangles[t];
+            const Vec3& corner = mesh_.vertices[a];
+            const Vec3 normal = normalized(cross(mesh_.vertices[b] - corner, mesh_.vertices[c] - corner));
+            const double h = dot(normal, center - corner);
+            if (normal == Vec3{} || std::abs(h) >= nearest) continue;
+            nearest = std::abs(h);
+            height = h;
+            plane = normal;
+            reach = std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z;
+        }
+        if (nearest >= reach) return whole;
+        const double step = height >= 0 ? std::max(2 * height, 1e-3 * reach) : std::min(2 * height, -1e-3 * reach);
+        const double beyond = winding_number_(center - step * plane);
+        if ((beyond > 0.5) == (w > 0.5)) return whole;
+        return 0.5 - 0.5 * height / reach;
+    }
+
     void add(double volume, double w) {
-        if (w <= 0.5) return;
         result_.volume += volume;
-        if (w < doubtful_below) result_.doubtful += volume;
+        if (w > 0.5 && w < doubtful_below) result_.doubtful += volume;
     }
 
     const TriangleMesh& mesh_;

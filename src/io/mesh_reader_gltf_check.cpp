@@ -17,10 +17,9 @@ std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
     return value;
 }
 
-/// The JSON text of the file, and how many bytes its binary chunk has.
+/// The JSON text of the file, and its binary chunk.
 struct Chunks {
-    std::string_view json;
-    std::size_t binary_size = 0;
+    std::string_view json, binary;
 };
 
 Chunks split_glb(const MeshFile& file) {
@@ -37,11 +36,12 @@ Chunks split_glb(const MeshFile& file) {
     const std::size_t json_length = u32_at(bytes, 12);
     require(length >= 20 && json_length <= length - 20, 12, "the JSON chunk is longer than the file");
     require(u32_at(bytes, 16) == json_chunk, 16, "expected a JSON chunk");
-    Chunks chunks{.json = std::string_view(bytes).substr(20, json_length), .binary_size = 0};
+    Chunks chunks{.json = std::string_view(bytes).substr(20, json_length), .binary = {}};
     const std::size_t next = 20 + (json_length + 3) / 4 * 4;
     if (next + 8 <= length) {
         require(u32_at(bytes, next) <= length - next - 8, next, "the binary chunk is longer than the file");
-        if (u32_at(bytes, next + 4) == binary_chunk) chunks.binary_size = u32_at(bytes, next);
+        if (u32_at(bytes, next + 4) == binary_chunk)
+            chunks.binary = std::string_view(bytes).substr(next + 8, u32_at(bytes, next));
     }
     return chunks;
 }
@@ -49,8 +49,8 @@ Chunks split_glb(const MeshFile& file) {
 /// The checks on the JSON tree. nlohmann's exceptions for a wrong type or a missing key become errors in `check_gltf`.
 class Checker {
 public:
-    Checker(const MeshFile& file, const Json& root, std::size_t binary_size)
-        : file_(file), root_(root), binary_size_(binary_size) {}
+    Checker(const MeshFile& file, const Json& root, std::string_view binary)
+        : file_(file), root_(root), binary_(binary) {}
 
     void check() {
         for (std::size_t i = 0; i < list("buffers").size(); ++i) check_buffer(i);
@@ -96,9 +96,9 @@ private:
         const std::string place = at("buffers", i);
         const std::size_t length = number(buffer, "byteLength", place);
         if (!buffer.contains("uri")) {
-            require(i == 0 && length <= binary_size_, place,
+            require(i == 0 && length <= binary_.size(), place,
                     "announces " + std::to_string(length) + " bytes, but the file's binary chunk has " +
-                        std::to_string(binary_size_));
+                        std::to_string(binary_.size()));
             return;
         }
         const std::string uri = buffer.at("uri").get<std::string>();
@@ -166,6 +166,26 @@ private:
                            "positions are not three floats each: export the mesh without quantization");
             if (!compressed && !positions.contains("bufferView"))
                 file_.fail(place + ".POSITION", "positions have no data: export the mesh again");
+            if (!compressed && primitive.contains("indices"))
+                check_indices(list("accessors")[primitive.at("indices").get<std::size_t>()],
+                              number(positions, "count", place), place + ".indices");
+        }
+    }
+
+    /// Indices in the file's own binary chunk must name vertices: assimp leaves out the triangles of those that do not.
+    void check_indices(const Json& accessor, std::size_t vertices, const std::string& place) const {
+        if (!accessor.contains("bufferView")) return;
+        const Json& view = list("bufferViews")[accessor.at("bufferView").get<std::size_t>()];
+        if (list("buffers")[view.at("buffer").get<std::size_t>()].contains("uri")) return;
+        const std::size_t size = component_size(number(accessor, "componentType", place));
+        const std::size_t stride = std::max(size, number(view, "byteStride", place));
+        const std::size_t first = number(view, "byteOffset", place) + number(accessor, "byteOffset", place);
+        for (std::size_t i = 0; i < number(accessor, "count", place); ++i) {
+            std::size_t index = 0;
+            for (std::size_t k = size; k-- > 0;)
+                index = index << 8 | static_cast<unsigned char>(binary_[first + i * stride + k]);
+            require(index < vertices, place,
+                    "a triangle uses vertex " + std::to_string(index) + " of " + std::to_string(vertices));
         }
     }
 
@@ -209,18 +229,18 @@ private:
 
     const MeshFile& file_;
     const Json& root_;
-    std::size_t binary_size_;
+    std::string_view binary_;
 };
 
 }  // namespace
 
 void check_gltf(const MeshFile& file) {
     const bool binary = file.bytes.size() >= 4 && u32_at(file.bytes, 0) == glb_magic;
-    const Chunks chunks = binary ? split_glb(file) : Chunks{.json = file.bytes, .binary_size = 0};
+    const Chunks chunks = binary ? split_glb(file) : Chunks{.json = file.bytes, .binary = {}};
     try {
         const Json root = Json::parse(chunks.json);
         if (!root.is_object() || !root.contains("asset")) file.fail("", "holds no glTF: it has no entry \"asset\"");
-        Checker(file, root, chunks.binary_size).check();
+        Checker(file, root, chunks.binary).check();
     } catch (const Json::parse_error& error) {
         file.fail("byte " + std::to_string(error.byte + (binary ? 20 : 0)), "is no glTF: " + std::string(error.what()));
     } catch (const Json::exception& error) {

@@ -143,6 +143,8 @@ TriangleMesh triangulate(const PolygonMesh& polygons, const MeshFile& file) {
     first_triangle.push_back(mesh.triangles.size());
     for (const TriangleMesh::Part& part : polygons.parts)
         mesh.parts.push_back({part.name, first_triangle[part.begin], first_triangle[part.end]});
+    std::stable_sort(mesh.parts.begin(), mesh.parts.end(),
+                     [](const auto& a, const auto& b) { return a.begin < b.begin; });
     return mesh;
 }
 

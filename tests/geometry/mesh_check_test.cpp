@@ -281,10 +281,10 @@ TEST(MeshCheck, bodies_that_share_a_vertex_or_an_edge_stay_simple) {
     EXPECT_NEAR(at_edge.report.volume, 2, 0.02);
 }
 
-TEST(WindingVolume, of_a_closed_round_body_is_exact_to_a_few_thousandths) {
+TEST(WindingVolume, of_a_closed_round_body_is_exact_to_one_percent) {
     for (const TriangleMesh& mesh : {make_sphere(1), make_torus(2, 0.5), moved(make_cylinder(1, 1), {3, 4, 5})}) {
         const WindingVolume measured = winding_volume(mesh, WindingNumber(mesh));
-        EXPECT_NEAR(measured.volume / signed_volume(mesh), 1, 0.005);
+        EXPECT_NEAR(measured.volume / signed_volume(mesh), 1, 0.01);
         EXPECT_EQ(measured.doubtful, 0);
     }
 }
