@@ -47,6 +47,10 @@ BuiltScene build_world(const Scene& scene, int threads) {
         meshes.push_back(at(scene, body.surface_place, [&] { return load_surface(scene, body); }));
 
     BuiltScene built{World(world_settings(scene.simulation, threads)), {}, {}, {}};
+    for (const SceneCollider& collider : scene.colliders)
+        at(scene, collider.place, [&] {
+            return std::visit([&](const auto& shape) { return built.world.add_collider(shape); }, collider.shape);
+        });
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
         built.bodies.push_back(at(scene, scene.bodies[i].place,
                                   [&] { return built.world.add_body(meshes[i], scene.bodies[i].settings); }));
@@ -55,10 +59,6 @@ BuiltScene build_world(const Scene& scene, int threads) {
             at(scene, fix.place, [&] { return built.world.add_fix(built.bodies[fix.body], fix.fix); }));
     for (const SceneLoad& load : scene.loads)
         at(scene, load.place, [&] { return built.world.add_load(built.bodies[load.body], load.load); });
-    for (const SceneCollider& collider : scene.colliders)
-        at(scene, collider.place, [&] {
-            return std::visit([&](const auto& shape) { return built.world.add_collider(shape); }, collider.shape);
-        });
     for (const SceneProbe& probe : scene.probes)
         built.probes.push_back(
             at(scene, probe.place, [&] { return built.world.add_probe(built.bodies[probe.body], probe.point); }));

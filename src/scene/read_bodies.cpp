@@ -65,8 +65,8 @@ void read_kernel(const TableReader& body, BodySettings& settings) {
         reader->fail("dilation", "belongs to 'neighbors' only; add neighbors = 20, or use support = 2.2");
     kernel.shape = reader->choice<KernelShape>("shape", kernel_shapes).value_or(kernel.shape);
     kernel.support = reader->number("support", between(1.2, 8, "spacings")).value_or(0);
-    kernel.neighbors = static_cast<int>(reader->integer("neighbors", 4, 1000).value_or(0));
-    kernel.dilation = reader->number("dilation", between(1, 4)).value_or(kernel.dilation);
+    kernel.neighbors = static_cast<int>(reader->integer("neighbors", 8, 1000).value_or(0));
+    kernel.dilation = reader->number("dilation", between(1.01, 4)).value_or(kernel.dilation);
 }
 
 SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>& materials, Names& names) {

@@ -15,7 +15,7 @@ std::string Range::text() const {
     std::string text = "a finite number";
     const bool low = std::isfinite(lower), high = std::isfinite(upper);
     if (low && high)
-        text = fmt::format("a number {} {:g}{} {} {:g}", open_lower ? "above" : "from", lower, open_lower ? " and" : "",
+        text = fmt::format(open_lower ? "a number above {:g} and {} {:g}" : "a number from {:g} {} {:g}", lower,
                            open_upper ? "below" : "up to", upper);
     else if (low)
         text = fmt::format("a number {} {:g}", open_lower ? "above" : "from", lower) + (open_lower ? "" : " on");
