@@ -87,8 +87,8 @@ struct Fix {
     std::vector<GripKey> path;          ///< empty: stays; before the first key and after the last: constant
 };
 
-/// Force [N] and torque [N m] that a fix exerts on its body, means over the last step; torque about the rest centre of what is held, moved with
-/// it.
+/// Force [N] and torque [N m] that a fix exerts on its body, means over the last step; torque about the rest centre of
+/// what is held, moved with it.
 struct Reaction {
     Vec3 force, torque;
 };

@@ -16,7 +16,8 @@ void dilate(std::vector<char>& marks, const Index3& size, int axis, int reach) {
         if (start / stride % size[axis] != 0) continue;
         for (std::int32_t i = 0; i < size[axis]; ++i) line[i] = marks[start + i * stride];
         for (std::int32_t i = 0; i < size[axis]; ++i) {
-            const auto begin = line.begin() + std::max(0, i - reach), end = line.begin() + std::min(size[axis], i + reach + 1);
+            const auto begin = line.begin() + std::max(0, i - reach),
+                       end = line.begin() + std::min(size[axis], i + reach + 1);
             marks[start + i * stride] = std::find(begin, end, char{1}) != end;
         }
     }
@@ -25,7 +26,8 @@ void dilate(std::vector<char>& marks, const Index3& size, int axis, int reach) {
 /// [cells] cells that are cut, or do not touch six neighbours.
 std::vector<char> irregular_cells(const Sampling& s) {
     std::vector<char> irregular(s.cell_box.size()), irregular_node(s.nodes.size());
-    for (std::size_t c = 0; c < irregular.size(); ++c) irregular[c] = s.neighbor_offset[c + 1] - s.neighbor_offset[c] != 6;
+    for (std::size_t c = 0; c < irregular.size(); ++c)
+        irregular[c] = s.neighbor_offset[c + 1] - s.neighbor_offset[c] != 6;
     for (std::size_t q = 0; q < s.points.size(); ++q) {
         if (s.point_kind[q] != Sampling::irregular) continue;
         irregular[s.point_cell[q]] = 1;
@@ -56,7 +58,8 @@ BoxGrid::BoxGrid(const Sampling& s) {
 }
 
 std::size_t BoxGrid::index(const Index3& box) const {
-    return (box[0] - low_[0]) + std::size_t(size_[0]) * ((box[1] - low_[1]) + std::size_t(size_[1]) * (box[2] - low_[2]));
+    return (box[0] - low_[0]) +
+           std::size_t(size_[0]) * ((box[1] - low_[1]) + std::size_t(size_[1]) * (box[2] - low_[2]));
 }
 
 std::uint32_t BoxGrid::cell(const Index3& box) const {

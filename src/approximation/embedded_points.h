@@ -10,10 +10,10 @@ namespace phyxel {
 /// Points that follow the nodes without acting on the material: surface vertices, loaded or held patches, probes.
 /// x = sum_i phi_i x_i (Brunet et al. 2019, section 3.4); a force f at the point is phi_i f at the nodes (eq. 17).
 struct EmbeddedPoints {
-    std::vector<std::uint32_t> offset{0};   ///< [points + 1] into the rest
-    std::vector<std::uint32_t> node;        ///< [pairs]
-    std::vector<double> phi;                ///< [pairs]
-    std::vector<Vec3> gradient;             ///< [pairs] [1/m] in rest space; empty unless asked for
+    std::vector<std::uint32_t> offset{0};  ///< [points + 1] into the rest
+    std::vector<std::uint32_t> node;       ///< [pairs]
+    std::vector<double> phi;               ///< [pairs]
+    std::vector<Vec3> gradient;            ///< [pairs] [1/m] in rest space; empty unless asked for
 
     std::size_t size() const { return offset.size() - 1; }
 

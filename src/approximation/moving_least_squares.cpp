@@ -49,7 +49,8 @@ void MovingLeastSquares::values(std::span<const Vec3> offsets, ShapeFunctions& o
     const Fit f = fit(offsets, out);
     const Vec3 slope = f.inverse * f.mean;
     out.phi.resize(offsets.size());
-    for (std::size_t i = 0; i < offsets.size(); ++i) out.phi[i] = w_[i] * (1 / f.total - dot(slope, offsets[i] - f.mean));
+    for (std::size_t i = 0; i < offsets.size(); ++i)
+        out.phi[i] = w_[i] * (1 / f.total - dot(slope, offsets[i] - f.mean));
 }
 
 void MovingLeastSquares::values_and_gradients(std::span<const Vec3> offsets, ShapeFunctions& out) {
@@ -68,7 +69,8 @@ void MovingLeastSquares::values_and_gradients(std::span<const Vec3> offsets, Sha
         return;
     }
 
-    // y = A^-1 [1 0 0 0]: y(r) = 1/W + m.C^-1 m - (C^-1 m).r, and B = sum_i p_i y(r_i) grad w_i^T, its first row and the rest.
+    // y = A^-1 [1 0 0 0]: y(r) = 1/W + m.C^-1 m - (C^-1 m).r, and B = sum_i p_i y(r_i) grad w_i^T, its first row and
+    // the rest.
     const double y0 = 1 / f.total + dot(slope, f.mean);
     Vec3 b0{};
     Mat3 b1{};
@@ -76,8 +78,9 @@ void MovingLeastSquares::values_and_gradients(std::span<const Vec3> offsets, Sha
         const double distance = norm(offsets[i]), y = y0 - dot(slope, offsets[i]);
         out.phi[i] = w_[i] * y;
         // grad w with respect to the point: it grows towards the node.
-        const Vec3 dw =
-            distance > 0 ? offsets[i] * (-weight_derivative(kernel_, distance / support_) / (support_ * distance)) : Vec3{};
+        const Vec3 dw = distance > 0
+                            ? offsets[i] * (-weight_derivative(kernel_, distance / support_) / (support_ * distance))
+                            : Vec3{};
         out.gradient[i] = y * dw;
         b0 += out.gradient[i];
         b1 += outer(offsets[i], out.gradient[i]);

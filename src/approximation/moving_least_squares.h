@@ -9,10 +9,10 @@ namespace phyxel {
 
 /// Shape functions of the nodes around one point.
 struct ShapeFunctions {
-    std::vector<double> phi;       ///< [nodes] sum phi = 1, sum phi X = point
-    std::vector<Vec3> gradient;    ///< [nodes] [1/m] sum g = 0, sum X (x) g = I
-    int rank = 0;                  ///< dimensions that the nodes span: 3, or less for a plate, a strand, a lump
-    double variance = 0;           ///< smallest weighted variance of the node positions [m^2]: below 1e-2 a^2 a fit is poor
+    std::vector<double> phi;     ///< [nodes] sum phi = 1, sum phi X = point
+    std::vector<Vec3> gradient;  ///< [nodes] [1/m] sum g = 0, sum X (x) g = I
+    int rank = 0;                ///< dimensions that the nodes span: 3, or less for a plate, a strand, a lump
+    double variance = 0;  ///< smallest weighted variance of the node positions [m^2]: below 1e-2 a^2 a fit is poor
 };
 
 /// Moving least squares with a linear basis at the origin; `offsets` are node positions relative to the point.
@@ -38,9 +38,9 @@ public:
 
 private:
     struct Fit {
-        double total;        // W = sum w
-        Vec3 mean;           // m
-        Mat3 inverse;        // C^+ on the spanned subspace
+        double total;  // W = sum w
+        Vec3 mean;     // m
+        Mat3 inverse;  // C^+ on the spanned subspace
     };
     Fit fit(std::span<const Vec3> offsets, ShapeFunctions& out);
 

@@ -18,22 +18,22 @@ using Index3 = std::array<std::int32_t, 3>;
 /// The stencil of a point deep inside of the lattice, up to translation.
 struct Template {
     struct Neighbor {
-        Index3 box;          ///< of a cell that holds the node, relative to the point's
-        int slot;            ///< of the node in that cell
+        Index3 box;  ///< of a cell that holds the node, relative to the point's
+        int slot;    ///< of the node in that cell
     };
     std::vector<Neighbor> neighbors;
-    std::vector<double> share;         ///< Shepard weights, sum 1
+    std::vector<double> share;  ///< Shepard weights, sum 1
     std::uint32_t gradient_begin = 0;
 };
 
 /// What the build of one block leaves behind until blocks are joined.
 struct BlockBuild {
     std::vector<std::uint32_t> slot_node;
-    std::vector<double> slot_volume;           ///< [slots] Shepard share of the block's volumes
-    std::vector<std::uint32_t> count;          ///< [points] pairs
-    std::vector<std::uint32_t> node;           ///< [pairs]
-    std::vector<std::uint16_t> local;          ///< [pairs]
-    std::vector<Vec3> gradient;                ///< [pairs of irregular points]
+    std::vector<double> slot_volume;   ///< [slots] Shepard share of the block's volumes
+    std::vector<std::uint32_t> count;  ///< [points] pairs
+    std::vector<std::uint32_t> node;   ///< [pairs]
+    std::vector<std::uint16_t> local;  ///< [pairs]
+    std::vector<Vec3> gradient;        ///< [pairs of irregular points]
     std::vector<float> support;
     std::size_t widened = 0, deficient = 0;
     Vec3 deficient_place{};
@@ -49,14 +49,18 @@ struct Workspace {
 void shepard_shares(const Support& support, KernelShape kernel, std::vector<double>& share) {
     share.resize(support.offsets.size());
     double total = 0;
-    for (std::size_t i = 0; i < share.size(); ++i) total += share[i] = weight(kernel, norm(support.offsets[i]) / support.radius);
+    for (std::size_t i = 0; i < share.size(); ++i)
+        total += share[i] = weight(kernel, norm(support.offsets[i]) / support.radius);
     for (double& s : share) s /= total;
 }
 
 class Builder {
 public:
     Builder(Sampling& sampling, const ApproximationSettings& settings, const Threads& threads)
-        : s_(sampling), settings_(settings), threads_(threads), workspaces_([this] { return std::make_unique<Workspace>(s_); }) {}
+        : s_(sampling),
+          settings_(settings),
+          threads_(threads),
+          workspaces_([this] { return std::make_unique<Workspace>(s_); }) {}
 
     StencilBuild run() {
         // A block as wide as a stencil: its nodes are then eight times those of one support, and fit the cache.
@@ -76,18 +80,21 @@ public:
     }
 
 private:
-    bool uses_template(std::uint32_t q) const { return s_.point_kind[q] != Sampling::irregular && deep_[s_.point_cell[q]]; }
+    bool uses_template(std::uint32_t q) const {
+        return s_.point_kind[q] != Sampling::irregular && deep_[s_.point_cell[q]];
+    }
 
     /// Support and shape functions of a point, by the way its settings ask for.
     void fit(std::uint32_t q, Workspace& work) const {
-        find_support(work.search, s_, settings_.kernel, settings_.support, s_.points[q], s_.point_cell[q], work.support);
+        find_support(work.search, s_, settings_.kernel, settings_.support, s_.points[q], s_.point_cell[q],
+                     work.support);
         MovingLeastSquares mls(settings_.kernel, work.support.radius);
         const std::uint32_t node = s_.point_node[q];
         const auto self = std::lower_bound(work.support.nodes.begin(), work.support.nodes.end(), node);
         if (settings_.nodal_gradients && node != no_index && self != work.support.nodes.end() && *self == node)
-            mls.nodal_gradients(work.support.offsets, static_cast<std::size_t>(self - work.support.nodes.begin()), work.shape);
-        else
-            mls.values_and_gradients(work.support.offsets, work.shape);
+            mls.nodal_gradients(work.support.offsets, static_cast<std::size_t>(self - work.support.nodes.begin()),
+                                work.shape);
+        else mls.values_and_gradients(work.support.offsets, work.shape);
         for (Vec3& g : work.shape.gradient) g = s_.frame.direction_to_rest(g);
     }
 
@@ -114,7 +121,8 @@ private:
     void template_nodes(std::uint32_t q, std::vector<std::uint32_t>& nodes) const {
         const Index3& box = s_.cell_box[s_.point_cell[q]];
         for (const auto& [offset, slot] : templates_[s_.point_kind[q]].neighbors)
-            nodes.push_back(s_.cell_nodes[grid_->cell({box[0] + offset[0], box[1] + offset[1], box[2] + offset[2]})][slot]);
+            nodes.push_back(
+                s_.cell_nodes[grid_->cell({box[0] + offset[0], box[1] + offset[1], box[2] + offset[2]})][slot]);
     }
 
     BlockBuild build_block(std::uint32_t begin, std::uint32_t end, Workspace& work) const {
@@ -179,7 +187,8 @@ private:
             st.local.insert(st.local.end(), b.local.begin(), b.local.end());
             st.gradient.insert(st.gradient.end(), b.gradient.begin(), b.gradient.end());
             st.support.insert(st.support.end(), b.support.begin(), b.support.end());
-            for (std::size_t k = 0; k < b.slot_node.size(); ++k) result_.node_volumes[b.slot_node[k]] += b.slot_volume[k];
+            for (std::size_t k = 0; k < b.slot_node.size(); ++k)
+                result_.node_volumes[b.slot_node[k]] += b.slot_volume[k];
             report.widened += b.widened;
             if (b.deficient && !report.deficient) report.deficient_place = b.deficient_place;
             report.deficient += b.deficient;
@@ -195,7 +204,8 @@ private:
         for (std::size_t n = 0; n < s_.nodes.size(); ++n) st.node_slot_offset[n + 1] += st.node_slot_offset[n];
         st.node_slots.resize(st.slot_node.size());
         std::vector<std::uint32_t> next(st.node_slot_offset.begin(), st.node_slot_offset.end() - 1);
-        for (std::uint32_t slot = 0; slot < st.slot_node.size(); ++slot) st.node_slots[next[st.slot_node[slot]]++] = slot;
+        for (std::uint32_t slot = 0; slot < st.slot_node.size(); ++slot)
+            st.node_slots[next[st.slot_node[slot]]++] = slot;
     }
 
     /// r_i = b_i - sum_q V_q g_qi: closed-surface integral of phi_i n less the volume integral of its gradient.
@@ -216,7 +226,8 @@ private:
         return residual;
     }
 
-    /// Symmetric correction of the points near the surface, so that a constant stress is in equilibrium with its tractions.
+    /// Symmetric correction of the points near the surface, so that a constant stress is in equilibrium with its
+    /// tractions.
     void correct() {
         Stencils& st = result_.stencils;
         const std::vector<Vec3> residual = patch_residual();
@@ -273,7 +284,8 @@ double support_radius(const BodySettings& settings, double spacing) {
         for (int n = 0; n < settings.kernel.neighbors; ++n) mean += distances[n] / settings.kernel.neighbors;
         return settings.kernel.dilation * mean * spacing;
     }
-    // A body-centred lattice has two nodes a cell: the same number of neighbours at a support smaller by the cube root of 2.
+    // A body-centred lattice has two nodes a cell: the same number of neighbours at a support smaller by the cube root
+    // of 2.
     const double standard = (settings.quadrature == Quadrature::grid ? 2.2 : 1.8) / (bcc ? std::cbrt(2.0) : 1);
     return (settings.kernel.support > 0 ? settings.kernel.support : standard) * spacing;
 }

@@ -59,8 +59,8 @@ const std::vector<std::uint32_t>& SupportSearch::find(const Vec3& position, std:
     return nodes_;
 }
 
-void find_support(SupportSearch& search, const Sampling& sampling, KernelShape kernel, double radius, const Vec3& position,
-                  std::uint32_t cell, Support& out) {
+void find_support(SupportSearch& search, const Sampling& sampling, KernelShape kernel, double radius,
+                  const Vec3& position, std::uint32_t cell, Support& out) {
     constexpr std::size_t fewest = 8;
     constexpr int widenings = 12;
     out.radius = radius;

@@ -7,8 +7,8 @@
 
 namespace phyxel {
 
-/// Work space that is costly to make and useful again: tasks borrow an object and give it back. Which one a task gets is
-/// left to chance, so an object must not remember anything that shows.
+/// Work space that is costly to make and useful again: tasks borrow an object and give it back. Which one a task gets
+/// is left to chance, so an object must not remember anything that shows.
 template <class T>
 class ScratchPool {
 public:

@@ -12,7 +12,8 @@ namespace {
 
 double checked_friction(double friction) {
     if (!(friction >= 0) || !std::isfinite(friction))
-        throw Error("collider friction: found " + std::to_string(friction) + ", expected a finite number of at least 0");
+        throw Error("collider friction: found " + std::to_string(friction) +
+                    ", expected a finite number of at least 0");
     return friction;
 }
 
@@ -66,7 +67,8 @@ Collider::Collider(const Box& box) : friction_(checked_friction(box.friction)) {
 }
 
 Distance Collider::distance(const Vec3& x) const {
-    if (const auto* plane = std::get_if<HalfSpace>(&shape_)) return {dot(x - plane->point, plane->normal), plane->normal};
+    if (const auto* plane = std::get_if<HalfSpace>(&shape_))
+        return {dot(x - plane->point, plane->normal), plane->normal};
     if (const auto* ball = std::get_if<Ball>(&shape_)) {
         const Vec3 d = x - ball->center;
         const double length = norm(d);
@@ -82,7 +84,8 @@ double Collider::distance_to_box(const Vec3& low, const Vec3& high) const {
     const Vec3 center = 0.5 * (low + high), half = 0.5 * (high - low);
     if (const auto* plane = std::get_if<HalfSpace>(&shape_)) {
         const Vec3& n = plane->normal;
-        return dot(center - plane->point, n) - (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
+        return dot(center - plane->point, n) -
+               (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
     }
     // A signed distance changes by at most the way.
     return distance(center).value - norm(half);

@@ -35,7 +35,7 @@ private:
     };
     struct Block {
         Vec3 center, half_size;
-        Mat3 rotation;   ///< columns: the box's axes
+        Mat3 rotation;  ///< columns: the box's axes
     };
     std::variant<HalfSpace, Ball, Block> shape_;
     double friction_;

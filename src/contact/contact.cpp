@@ -8,13 +8,13 @@
 namespace phyxel {
 namespace {
 
-constexpr double stiffness_share = 0.5;     ///< beta; the explicit bound is 4, less what elasticity takes
-constexpr double friction_share = 0.5;      ///< largest share of the slip that one step may take away
-constexpr double slip_scale = 1e-3;         ///< eps_v [m/s]
+constexpr double stiffness_share = 0.5;  ///< beta; the explicit bound is 4, less what elasticity takes
+constexpr double friction_share = 0.5;   ///< largest share of the slip that one step may take away
+constexpr double slip_scale = 1e-3;      ///< eps_v [m/s]
 constexpr std::size_t sample_chunk = 256;
 
 struct SamplePlaces {
-    std::vector<Vec3> position;             ///< lattice frame
+    std::vector<Vec3> position;  ///< lattice frame
     std::vector<std::uint32_t> cell;
 };
 
@@ -33,7 +33,8 @@ SamplePlaces place_samples(const Model& model, const TriangleMesh& mesh) {
     };
     std::vector<std::pair<Vec3, Vec3>> on_edges;
     for (const Triangle& t : moved.triangles) {
-        const Vec3 area = cross(moved.vertices[t[1]] - moved.vertices[t[0]], moved.vertices[t[2]] - moved.vertices[t[0]]);
+        const Vec3 area =
+            cross(moved.vertices[t[1]] - moved.vertices[t[0]], moved.vertices[t[2]] - moved.vertices[t[0]]);
         for (int c = 0; c < 3; ++c) {
             outward[t[c]] += area;
             const std::uint32_t a = std::min(t[c], t[(c + 1) % 3]), b = std::max(t[c], t[(c + 1) % 3]);
@@ -91,7 +92,8 @@ std::vector<ContactSamples::Touch> ContactSamples::touches(std::span<const Colli
             const Vec3 position = samples_.position(s, x);
             for (std::uint32_t c : near) {
                 const Distance d = colliders[c].distance(position);
-                if (d.value < 0) found[begin / sample_chunk].push_back({static_cast<std::uint32_t>(s), c, -d.value, d.normal});
+                if (d.value < 0)
+                    found[begin / sample_chunk].push_back({static_cast<std::uint32_t>(s), c, -d.value, d.normal});
             }
         }
     });
@@ -100,8 +102,9 @@ std::vector<ContactSamples::Touch> ContactSamples::touches(std::span<const Colli
     return all;
 }
 
-std::size_t ContactSamples::add_forces(std::span<const Collider> colliders, std::span<const Vec3> x, std::span<const Vec3> v,
-                                       double dt, const Threads& threads, std::span<Vec3> f, std::span<Vec3> friction) const {
+std::size_t ContactSamples::add_forces(std::span<const Collider> colliders, std::span<const Vec3> x,
+                                       std::span<const Vec3> v, double dt, const Threads& threads, std::span<Vec3> f,
+                                       std::span<Vec3> friction) const {
     const std::vector<Touch> all = touches(colliders, x, threads);
     for (const Touch& touch : all) {
         const std::uint32_t begin = samples_.offset[touch.sample], end = samples_.offset[touch.sample + 1];
@@ -119,13 +122,15 @@ std::size_t ContactSamples::add_forces(std::span<const Collider> colliders, std:
     return all.size();
 }
 
-double ContactSamples::deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const {
+double ContactSamples::deepest(std::span<const Collider> colliders, std::span<const Vec3> x,
+                               const Threads& threads) const {
     double depth = 0;
     for (const Touch& touch : touches(colliders, x, threads)) depth = std::max(depth, touch.depth);
     return depth;
 }
 
-double ContactSamples::energy(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const {
+double ContactSamples::energy(std::span<const Collider> colliders, std::span<const Vec3> x,
+                              const Threads& threads) const {
     double U = 0;
     for (const Touch& touch : touches(colliders, x, threads))
         U += 0.5 * stiffness_share / (step_squared_ * inverse_mass_[touch.sample]) * touch.depth * touch.depth;

@@ -43,7 +43,8 @@ std::vector<std::uint32_t> nodes_of_plane(const Model& m, const SurfaceSelection
     for (std::size_t b = 0; b < m.sampling.boundary.size(); ++b)
         if (in_plane(m.sampling.boundary[b].position, plane, m.sampling.pitch))
             all[m.sampling.boundary_cell[b]] += std::abs(m.sampling.boundary[b].area[plane.axis]);
-    for (std::size_t s = 0; s < selection.cell.size(); ++s) selected[selection.cell[s]] += std::abs(selection.area[s][plane.axis]);
+    for (std::size_t s = 0; s < selection.cell.size(); ++s)
+        selected[selection.cell[s]] += std::abs(selection.area[s][plane.axis]);
     std::vector<std::uint32_t> nodes;
     for (const auto& [cell, area] : selected) {
         const std::uint32_t node = m.sampling.cell_nodes[cell][0];
@@ -88,12 +89,14 @@ std::size_t Constraints::add(const Model& model, const TriangleMesh& mesh, const
     const auto number = static_cast<std::uint32_t>(fixes_.size());
     HeldFix held{GripMotion(fix), {fix.x, fix.y, fix.z}};
     for (std::size_t s = 0; s < selection.position.size(); ++s)
-        held.rest_center += norm(selection.area[s]) / selection.total_area * model.sampling.frame.to_rest(selection.position[s]);
+        held.rest_center +=
+            norm(selection.area[s]) / selection.total_area * model.sampling.frame.to_rest(selection.position[s]);
     fixes_.push_back(std::move(held));
 
     const std::size_t before = rows_.size();
     if (const auto plane = find_plane(selection, model.sampling))
-        for (std::uint32_t node : nodes_of_plane(model, selection, *plane)) rows_.push_back({number, {node}, {1.0}, model.rest[node]});
+        for (std::uint32_t node : nodes_of_plane(model, selection, *plane))
+            rows_.push_back({number, {node}, {1.0}, model.rest[node]});
     if (rows_.size() == before) {
         // No node plane: one average a cell.
         const EmbeddedPoints points =
@@ -139,13 +142,14 @@ void Constraints::factorize(const Model& model) {
         for (int k = 0; k < static_cast<int>(factor->rows.size()); ++k) {
             const Row& row = rows_[factor->rows[k]];
             for (std::size_t i = 0; i < row.node.size(); ++i)
-                entries.emplace_back(k, static_cast<int>(row.node[i]), row.coefficient[i] * std::sqrt(inverse_mass_[row.node[i]]));
+                entries.emplace_back(k, static_cast<int>(row.node[i]),
+                                     row.coefficient[i] * std::sqrt(inverse_mass_[row.node[i]]));
         }
         Eigen::SparseMatrix<double> C(static_cast<int>(factor->rows.size()), static_cast<int>(model.rest.size()));
         C.setFromTriplets(entries.begin(), entries.end());
         Eigen::SparseMatrix<double> G = C * C.transpose();
-        // Rows of overlapping fixes may depend on each other: a shift keeps the factor alive, and whatever it leaves open is
-        // closed by the next step, since the target is a place and not a velocity.
+        // Rows of overlapping fixes may depend on each other: a shift keeps the factor alive, and whatever it leaves
+        // open is closed by the next step, since the target is a place and not a velocity.
         const double shift = 1e-9 * G.diagonal().maxCoeff();
         for (int k = 0; k < G.rows(); ++k) G.coeffRef(k, k) += shift;
         factor->ldlt.compute(G);
@@ -170,7 +174,7 @@ void Constraints::project(double time, double dt, std::span<const Vec3> x, std::
             if (dt > 0) {
                 target = (motion.place(row.rest, time)[d] - place) / dt;
             } else if (motion.moves()) {
-                constexpr double tick = 1e-6;   // [s] for the grip's velocity
+                constexpr double tick = 1e-6;  // [s] for the grip's velocity
                 target = (motion.place(row.rest, time + tick)[d] - motion.place(row.rest, time - tick)[d]) / (2 * tick);
             }
             missing[static_cast<Eigen::Index>(k)] = target - rate;
@@ -188,7 +192,8 @@ void Constraints::project(double time, double dt, std::span<const Vec3> x, std::
             Vec3 along{};
             along[d] = push;
             fix.force_impulse += along;
-            fix.torque_impulse += cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), along);
+            fix.torque_impulse +=
+                cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), along);
         }
     }
 }

@@ -23,10 +23,11 @@ private:
 };
 
 /// All fixes of a body. Each holds *rows*: a node of a node plane, or the average of a patch of surface in one cell,
-/// sum_s A_s x_s / sum_s A_s = sum_i c_i x_i (one constraint a surface point instead would lock). Explicit steps enforce
-/// them by projecting velocities in the metric of the masses,
+/// sum_s A_s x_s / sum_s A_s = sum_i c_i x_i (one constraint a surface point instead would lock). Explicit steps
+/// enforce them by projecting velocities in the metric of the masses,
 ///   v += M^-1 C^T lambda,  (C M^-1 C^T) lambda = target - C v,
-/// which stores no energy and needs no stiffness. The projection is the same for x, y and z, apart from which fixes hold.
+/// which stores no energy and needs no stiffness. The projection is the same for x, y and z, apart from which fixes
+/// hold.
 class Constraints {
 public:
     Constraints();
@@ -38,8 +39,8 @@ public:
     std::size_t add(const Model& model, const TriangleMesh& mesh, const Fix& fix, const Threads& threads);
     bool empty() const { return fixes_.empty(); }
 
-    /// Changes `v` so that every row is where its grip takes it at `time` after a drift of `dt` from `x`; `dt` = 0: so that
-    /// its velocity is the grip's. Adds the impulses [N s] to the fixes' totals, and to `impulse` [nodes].
+    /// Changes `v` so that every row is where its grip takes it at `time` after a drift of `dt` from `x`; `dt` = 0: so
+    /// that its velocity is the grip's. Adds the impulses [N s] to the fixes' totals, and to `impulse` [nodes].
     void project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse);
 
     /// Forgets the impulses; the next reactions are means from here on.
@@ -54,8 +55,8 @@ private:
     struct Row {
         std::uint32_t fix;
         std::vector<std::uint32_t> node;
-        std::vector<double> coefficient;   ///< sum 1
-        Vec3 rest;                         ///< rest place of the average
+        std::vector<double> coefficient;  ///< sum 1
+        Vec3 rest;                        ///< rest place of the average
     };
     struct HeldFix {
         GripMotion motion;
@@ -69,7 +70,7 @@ private:
 
     std::vector<HeldFix> fixes_;
     std::vector<Row> rows_;
-    std::array<std::unique_ptr<Factor>, 3> factors_;   ///< of C M^-1 C^T over the rows held in each direction
+    std::array<std::unique_ptr<Factor>, 3> factors_;  ///< of C M^-1 C^T over the rows held in each direction
     std::vector<double> inverse_mass_;
     std::vector<std::uint32_t> held_nodes_;
 };

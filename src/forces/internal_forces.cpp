@@ -58,8 +58,8 @@ struct SlotMotion {
 /// Adds `sign` times its exact force at the positions y: with r_j = y_qj - F X_qj and T = sum_k w_k r_k (x) X_qk,
 /// f_j = -kappa (w_j r_j - T g_j), and the node itself takes + kappa sum_k w_k r_k besides. Quadratic in y, so that its
 /// viscous force is its force at beta v and its stiffness action minus its force at d.
-void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q, const Mat3& F, const SlotMotion& y, double sign,
-                  Vec3* f) {
+void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q, const Mat3& F, const SlotMotion& y,
+                  double sign, Vec3* f) {
     const Stencils& st = m.stencils;
     const double kappa = sign * m.nodal.kappa[q];
     const Vec3 own = y[m.nodal.self[q]], own_rest = m.rest[m.sampling.point_node[q]];
@@ -79,11 +79,11 @@ void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q,
 bool has_nodal(const Model& m) { return !m.nodal.kappa.empty(); }
 bool has_filter(const Model& m) { return !m.filter.rows.offset.empty(); }
 
-/// Runs `point(q, x, v, f)` over all points, block by block, with the block's slots of x, of v (when given) and of f, and
-/// adds up the slots of f at the nodes.
+/// Runs `point(q, x, v, f)` over all points, block by block, with the block's slots of x, of v (when given) and of f,
+/// and adds up the slots of f at the nodes.
 template <class Point>
-void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work, const Threads& threads,
-                    std::span<Vec3> f, Point&& point) {
+void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
+                    const Threads& threads, std::span<Vec3> f, Point&& point) {
     const Stencils& st = m.stencils;
     work.slot_x.resize(st.slot_node.size());
     work.slot_f.resize(st.slot_node.size());
@@ -99,15 +99,16 @@ void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec
     });
     threads.for_each(f.size(), node_chunk, [&](std::size_t i) {
         Vec3 sum{};
-        for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k) sum += work.slot_f[st.node_slots[k]];
+        for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k)
+            sum += work.slot_f[st.node_slots[k]];
         f[i] = sum;
     });
 }
 
 /// Sum over all points of `term(block, q, x, v)`.
 template <class Term>
-double sum_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work, const Threads& threads,
-                  Term&& term) {
+double sum_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
+                  const Threads& threads, Term&& term) {
     const Stencils& st = m.stencils;
     work.slot_x.resize(st.slot_node.size());
     if (!v.empty()) work.slot_v.resize(st.slot_node.size());
@@ -137,7 +138,8 @@ void filter_twice(const Model& m, std::span<const Vec3> x, std::span<const Vec3>
     work.twice_filtered.resize(x.size());
     threads.for_each(x.size(), node_chunk,
                      [&](std::size_t i) { work.moved[i] = v.empty() ? x[i] - x[0] : x[i] - x[0] + beta * v[i]; });
-    threads.for_each(x.size(), node_chunk, [&](std::size_t i) { work.filtered[i] = row_product(m.filter.rows, i, work.moved); });
+    threads.for_each(x.size(), node_chunk,
+                     [&](std::size_t i) { work.filtered[i] = row_product(m.filter.rows, i, work.moved); });
     threads.for_each(x.size(), node_chunk,
                      [&](std::size_t i) { work.twice_filtered[i] = row_product(m.filter.rows, i, work.filtered); });
 }
@@ -150,7 +152,8 @@ void add_filter_forces(const Model& m, std::span<const Vec3> x, std::span<const 
     threads.for_each(x.size(), node_chunk, [&](std::size_t i) { work.twice_filtered[i] *= E * m.filter_share[i]; });
     threads.for_each(x.size(), node_chunk,
                      [&](std::size_t i) { work.filtered[i] = row_product(m.filter.columns, i, work.twice_filtered); });
-    threads.for_each(x.size(), node_chunk, [&](std::size_t i) { f[i] += row_product(m.filter.columns, i, work.filtered); });
+    threads.for_each(x.size(), node_chunk,
+                     [&](std::size_t i) { f[i] += row_product(m.filter.columns, i, work.filtered); });
 }
 
 Mat3 viscous_stress(const Lame& lame, const Mat3& F, const Mat3& F_rate, double beta) {
@@ -172,27 +175,31 @@ std::vector<Mat3> deformation_gradients(const Model& m, std::span<const Vec3> x,
 }
 
 double elastic_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
-    return sum_points(m, x, {}, work, threads, [&](const Stencils::Block&, std::uint32_t q, const Vec3* slots, const Vec3*) {
-        return m.volumes[q] * energy(m.material, gradient_at(m.stencils, q, slots));
-    });
+    return sum_points(m, x, {}, work, threads,
+                      [&](const Stencils::Block&, std::uint32_t q, const Vec3* slots, const Vec3*) {
+                          return m.volumes[q] * energy(m.material, gradient_at(m.stencils, q, slots));
+                      });
 }
 
 double stabilization_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
     double U = 0;
     if (has_filter(m)) {
         filter_twice(m, x, {}, 0, work, threads);
-        U += 0.5 * m.settings.youngs_modulus *
-             threads.sum(x.size(), node_chunk, [&](std::size_t i) { return m.filter_share[i] * norm_squared(work.twice_filtered[i]); });
+        U += 0.5 * m.settings.youngs_modulus * threads.sum(x.size(), node_chunk, [&](std::size_t i) {
+            return m.filter_share[i] * norm_squared(work.twice_filtered[i]);
+        });
     }
     if (has_nodal(m))
-        U += sum_points(m, x, {}, work, threads, [&](const Stencils::Block& block, std::uint32_t q, const Vec3* slots, const Vec3*) {
-            return m.nodal.kappa[q] > 0 ? nodal_energy(m, block, q, gradient_at(m.stencils, q, slots), slots) : 0.0;
-        });
+        U += sum_points(
+            m, x, {}, work, threads,
+            [&](const Stencils::Block& block, std::uint32_t q, const Vec3* slots, const Vec3*) {
+                return m.nodal.kappa[q] > 0 ? nodal_energy(m, block, q, gradient_at(m.stencils, q, slots), slots) : 0.0;
+            });
     return U;
 }
 
-double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, double beta, ForceWorkspace& work,
-                       const Threads& threads, std::span<Vec3> f) {
+double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                       ForceWorkspace& work, const Threads& threads, std::span<Vec3> f) {
     if (beta <= 0) v = {};
     work.block_power.assign(m.stencils.blocks.size(), 0);
     const auto point = [&](const Stencils::Block& block, std::uint32_t q, const Vec3* sx, const Vec3* sv, Vec3* sf) {
@@ -212,7 +219,7 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
     if (has_filter(m)) add_filter_forces(m, x, v, beta, -1, work, threads, f);
 
     double power = 0;
-    if (!v.empty()) power = 2 * beta * stabilization_energy(m, v, work, threads);   // the same quadratic form, at v
+    if (!v.empty()) power = 2 * beta * stabilization_energy(m, v, work, threads);  // the same quadratic form, at v
     for (double p : work.block_power) power += p;
     return power;
 }

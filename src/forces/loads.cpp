@@ -26,7 +26,8 @@ void SurfaceLoad::add(double time, std::span<const Vec3> x, std::span<Vec3> f) c
     for (std::size_t k = 0; k < node_.size(); ++k) f[node_[k]] += part * force_[k];
     for (std::size_t s = 0; s < area_.size(); ++s) {
         const Vec3 force = (-part * *pressure_) * (cofactor(pieces_.deformation_gradient(s, x)) * area_[s]);
-        for (std::uint32_t k = pieces_.offset[s]; k < pieces_.offset[s + 1]; ++k) f[pieces_.node[k]] += pieces_.phi[k] * force;
+        for (std::uint32_t k = pieces_.offset[s]; k < pieces_.offset[s + 1]; ++k)
+            f[pieces_.node[k]] += pieces_.phi[k] * force;
     }
 }
 

@@ -7,8 +7,8 @@
 
 namespace phyxel {
 
-/// A load on a body, as nodal forces (Brunet et al. 2019, eq. 17): f_i = sum_s phi_si t_s A_s over the pieces of the loaded
-/// surface. Momentum is exact, because sum phi = 1 and x_s = sum phi x.
+/// A load on a body, as nodal forces (Brunet et al. 2019, eq. 17): f_i = sum_s phi_si t_s A_s over the pieces of the
+/// loaded surface. Momentum is exact, because sum phi = 1 and x_s = sum phi x.
 class SurfaceLoad {
 public:
     SurfaceLoad(const Model& model, const TriangleMesh& mesh, const Load& load, const Threads& threads);
@@ -20,11 +20,11 @@ private:
     double share(double time) const { return ramp_ <= 0 || time >= ramp_ ? 1 : time / ramp_; }
 
     double ramp_ = 0;
-    std::vector<std::uint32_t> node_;     ///< [loaded nodes] dead loads: nodes and their full forces
-    std::vector<Vec3> force_;             ///< [loaded nodes] [N]
-    std::optional<double> pressure_;      ///< [Pa]
-    EmbeddedPoints pieces_;               ///< pressure only
-    std::vector<Vec3> area_;              ///< [pieces] rest normal times area, rest space [m^2]
+    std::vector<std::uint32_t> node_;  ///< [loaded nodes] dead loads: nodes and their full forces
+    std::vector<Vec3> force_;          ///< [loaded nodes] [N]
+    std::optional<double> pressure_;   ///< [Pa]
+    EmbeddedPoints pieces_;            ///< pressure only
+    std::vector<Vec3> area_;           ///< [pieces] rest normal times area, rest space [m^2]
 };
 
 }  // namespace phyxel

@@ -47,7 +47,8 @@ SurfaceSelection select_surface(const Model& model, const TriangleMesh& mesh, co
         if (polygon.size() < 3) continue;
         const auto first = static_cast<std::uint32_t>(inside.vertices.size());
         for (const Vec3& X : polygon) inside.vertices.push_back(model.sampling.frame.to_lattice(X));
-        for (std::uint32_t k = 2; k < polygon.size(); ++k) inside.triangles.push_back({first, first + k - 1, first + k});
+        for (std::uint32_t k = 2; k < polygon.size(); ++k)
+            inside.triangles.push_back({first, first + k - 1, first + k});
     }
 
     SurfaceSelection selection;
@@ -61,8 +62,8 @@ SurfaceSelection select_surface(const Model& model, const TriangleMesh& mesh, co
     const double extent = norm(high - low);
     if (selection.total_area <= 1e-12 * extent * extent)
         throw Error("the box from " + format_point(box.lower) + " to " + format_point(box.upper) +
-                    " selects nothing of the surface, which reaches from " + format_point(low) + " to " + format_point(high) +
-                    " m in rest space. Move or enlarge the box");
+                    " selects nothing of the surface, which reaches from " + format_point(low) + " to " +
+                    format_point(high) + " m in rest space. Move or enlarge the box");
     return selection;
 }
 

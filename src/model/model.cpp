@@ -7,8 +7,10 @@
 namespace phyxel {
 namespace {
 
-constexpr double default_filter_strength = 0.2;   ///< cleanest low spectrum of a free sphere; costs -0.65 % in coarse bending
-constexpr double default_nodal_strength = 0.15;   ///< 0.5 stiffens coarse bending by 6 to 9 %, below 0.1 false modes appear
+constexpr double default_filter_strength =
+    0.2;  ///< cleanest low spectrum of a free sphere; costs -0.65 % in coarse bending
+constexpr double default_nodal_strength =
+    0.15;  ///< 0.5 stiffens coarse bending by 6 to 9 %, below 0.1 false modes appear
 
 /// kappa over Young's modulus, and the pair weights.
 NodalStabilization build_nodal(const Model& m) {
@@ -57,8 +59,9 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
     m.settings = settings.material;
     m.material = material_point(settings.material);
     const double density = settings.material.density;
-    double smallest = build.node_volumes.empty() ? 0 : *std::max_element(build.node_volumes.begin(), build.node_volumes.end());
-    smallest *= 1e-9;   // a node that no point sees must still have a mass to divide by
+    double smallest =
+        build.node_volumes.empty() ? 0 : *std::max_element(build.node_volumes.begin(), build.node_volumes.end());
+    smallest *= 1e-9;  // a node that no point sees must still have a mass to divide by
     for (double V : build.node_volumes) m.mass.push_back(density * std::max(V, smallest));
     for (double mass : m.mass) m.inverse_mass.push_back(1 / mass);
     m.total_mass = std::accumulate(m.mass.begin(), m.mass.end(), 0.0);

@@ -8,8 +8,8 @@
 namespace phyxel {
 namespace {
 
-/// First plane of a lattice of pitch `a` over the side [low, high]. Faces of a turned box wobble by rounding, which would
-/// leave slivers behind the planes: a side that the pitch divides to 1e-4 counts as divided.
+/// First plane of a lattice of pitch `a` over the side [low, high]. Faces of a turned box wobble by rounding, which
+/// would leave slivers behind the planes: a side that the pitch divides to 1e-4 counts as divided.
 double first_plane(double low, double high, double a) {
     const double cells = std::max(1.0, std::round((high - low) / a));
     return std::abs((high - low) / a - cells) <= 1e-4 ? low : 0.5 * (low + high) - 0.5 * cells * a;
@@ -22,7 +22,8 @@ Mat3 rotation_matrix(const AxisAngle& rotation) {
     return rotation_about(normalized(rotation.axis), rotation.degrees * std::numbers::pi / 180);
 }
 
-LatticeFrame place_lattice(const TriangleMesh& mesh, const Mat3& body_rotation, const AxisAngle& lattice_rotation, double pitch) {
+LatticeFrame place_lattice(const TriangleMesh& mesh, const Mat3& body_rotation, const AxisAngle& lattice_rotation,
+                           double pitch) {
     LatticeFrame frame{body_rotation * rotation_matrix(lattice_rotation), {}};
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Vec3 low{infinity, infinity, infinity}, high = -low;

@@ -9,7 +9,6 @@ namespace {
 
 using Index3 = std::array<std::int32_t, 3>;
 
-
 /// The two sites of a box that carry nodes, corner first.
 std::array<Index3, 2> sites_of_box(const Index3& box) {
     std::array<Index3, 2> sites;
@@ -34,7 +33,8 @@ std::vector<std::vector<SiteCell>> touching_groups(const Sampling& s, std::span<
             for (std::size_t b = 0; b < around.size(); ++b) {
                 const auto begin = s.neighbors.begin() + s.neighbor_offset[around[a].cell];
                 const auto end = s.neighbors.begin() + s.neighbor_offset[around[a].cell + 1];
-                if (group[a] < group[b] && std::find(begin, end, around[b].cell) != end) group[b] = group[a], changed = true;
+                if (group[a] < group[b] && std::find(begin, end, around[b].cell) != end)
+                    group[b] = group[a], changed = true;
             }
     }
     std::vector<std::vector<SiteCell>> groups;
@@ -71,15 +71,17 @@ void place_bcc_nodes(Sampling& s, std::span<const double> cell_volume, double sh
         return a.site != b.site ? a.site < b.site : a.cell < b.cell;
     });
     s.cell_nodes.assign(s.cell_box.size(), {no_index, no_index});
-    const double whole = 4 * s.pitch * s.pitch * s.pitch;   // half of each of the eight boxes around a site
+    const double whole = 4 * s.pitch * s.pitch * s.pitch;  // half of each of the eight boxes around a site
     for (std::size_t begin = 0, end; begin < at.size(); begin = end) {
-        for (end = begin; end < at.size() && at[end].site == at[begin].site; ++end) {}
+        for (end = begin; end < at.size() && at[end].site == at[begin].site; ++end) {
+        }
         for (const auto& group : touching_groups(s, std::span(at).subspan(begin, end - begin))) {
             double volume = 0;
             for (const SiteCell& member : group) volume += cell_volume[member.cell] / 2;
             if (volume < share * whole) continue;
             const Index3& site = group.front().site;
-            for (const SiteCell& member : group) s.cell_nodes[member.cell][member.slot] = static_cast<std::uint32_t>(s.nodes.size());
+            for (const SiteCell& member : group)
+                s.cell_nodes[member.cell][member.slot] = static_cast<std::uint32_t>(s.nodes.size());
             s.nodes.push_back(Vec3{site[0] + 0.5, site[1] + 0.5, site[2] + 0.5} * s.pitch);
             s.node_cell.push_back(group.front().cell);
         }
@@ -91,13 +93,13 @@ std::size_t count_nodes(const ClippedVolume& clipped, Lattice lattice, double sh
     const double box = 8 * clipped.pitch * clipped.pitch * clipped.pitch;
     for (const Octant& octant : clipped.octants) {
         const Index3 of = {(octant.index[0] + 1) >> 1, (octant.index[1] + 1) >> 1, (octant.index[2] + 1) >> 1};
-        if (lattice == Lattice::cubic)
-            filled[of] += octant.volume;
+        if (lattice == Lattice::cubic) filled[of] += octant.volume;
         else
             for (const Index3& site : sites_of_box(of)) filled[site] += octant.volume / 2;
     }
     const double whole = lattice == Lattice::cubic ? box : 4 * box;
-    return static_cast<std::size_t>(std::count_if(filled.begin(), filled.end(), [&](const auto& f) { return f.second >= share * whole; }));
+    return static_cast<std::size_t>(
+        std::count_if(filled.begin(), filled.end(), [&](const auto& f) { return f.second >= share * whole; }));
 }
 
 }  // namespace phyxel

@@ -11,8 +11,8 @@
 namespace phyxel {
 namespace {
 
-constexpr double bytes_per_node = 14e3;     ///< measured: 9 to 12 kB a node in double, while being set up a little more
-constexpr double bytes_per_octant = 120;    ///< of the bounding box, while clipping
+constexpr double bytes_per_node = 14e3;   ///< measured: 9 to 12 kB a node in double, while being set up a little more
+constexpr double bytes_per_octant = 120;  ///< of the bounding box, while clipping
 
 /// Memory that can still be had [bytes].
 double available_bytes() {
@@ -46,8 +46,8 @@ void guard_memory(const MeshReport& mesh, double pitch, double spacing, double p
     while (needed_bytes(mesh, workable * pitch / spacing, workable, per_cell) > available) workable *= 1.2;
     throw Error("a spacing of " + format_number(spacing) + " m would give this body about " +
                 format_number(estimate_nodes(mesh, spacing, per_cell)) + " nodes, more than memory holds (" +
-                format_number(std::floor(available / 1e6)) + " MB are free). Use a spacing of " + format_number(workable) +
-                " m or more, or sampling.count");
+                format_number(std::floor(available / 1e6)) + " MB are free). Use a spacing of " +
+                format_number(workable) + " m or more, or sampling.count");
 }
 
 std::string format_number(double value) {

@@ -25,16 +25,19 @@ struct Clipped {
     LatticeFrame frame;
     TriangleMesh mesh;
     ClippedVolume volume;
-    std::unique_ptr<WindingNumber> winding;   ///< only where the surface does not bound a volume by itself
-    double pitch;                             ///< edge of a box
+    std::unique_ptr<WindingNumber> winding;  ///< only where the surface does not bound a volume by itself
+    double pitch;                            ///< edge of a box
 };
 
-double box_pitch(const BodySettings& settings, double spacing) { return settings.lattice == Lattice::bcc ? spacing / 2 : spacing; }
+double box_pitch(const BodySettings& settings, double spacing) {
+    return settings.lattice == Lattice::bcc ? spacing / 2 : spacing;
+}
 
 Clipped clip(const CheckedMesh& checked, const BodySettings& settings, double spacing, const Threads& threads) {
     Clipped result;
     result.pitch = box_pitch(settings, spacing);
-    result.frame = place_lattice(checked.mesh, rotation_matrix(settings.rotation), settings.lattice_rotation, result.pitch);
+    result.frame =
+        place_lattice(checked.mesh, rotation_matrix(settings.rotation), settings.lattice_rotation, result.pitch);
     Vec3 shift = settings.lattice_offset * spacing;
     // The boxes of a body-centred lattice have nodes at their corners, not at their centres.
     if (settings.lattice == Lattice::bcc) shift -= Vec3{0.5, 0.5, 0.5} * result.pitch;
@@ -50,7 +53,8 @@ Clipped clip(const CheckedMesh& checked, const BodySettings& settings, double sp
 }
 
 /// Gives every piece below 0.1 % of an octant to its largest neighbour in the same cell or in one that touches it.
-std::size_t merge_slivers(std::vector<CellComponents::Piece>& pieces, const CellComponents& components, double octant_volume) {
+std::size_t merge_slivers(std::vector<CellComponents::Piece>& pieces, const CellComponents& components,
+                          double octant_volume) {
     const auto touches = [&](std::uint32_t a, std::uint32_t b) {
         if (a == b) return true;
         const auto begin = components.neighbors.begin() + components.neighbor_offset[a];
@@ -105,7 +109,8 @@ std::uint8_t parity(const Index3& index) {
     return static_cast<std::uint8_t>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2);
 }
 
-void add_point(Sampling& s, const Vec3& position, double volume, std::uint32_t cell, std::uint32_t node, std::uint8_t kind) {
+void add_point(Sampling& s, const Vec3& position, double volume, std::uint32_t cell, std::uint32_t node,
+               std::uint8_t kind) {
     s.points.push_back(position);
     s.volumes.push_back(volume);
     s.point_cell.push_back(cell);
@@ -137,7 +142,9 @@ void add_box_points(Sampling& s, const std::vector<double>& cell_volume) {
 /// One point at each node, with the volume of the node's cells; a cell without a node gives its volume to the largest
 /// cell that touches it and has one.
 void add_node_points(Sampling& s, std::vector<double> cell_volume) {
-    const auto has_node = [&](std::uint32_t c) { return s.cell_nodes[c][0] != no_index || s.cell_nodes[c][1] != no_index; };
+    const auto has_node = [&](std::uint32_t c) {
+        return s.cell_nodes[c][0] != no_index || s.cell_nodes[c][1] != no_index;
+    };
     std::vector<double> given(cell_volume.size());
     for (std::uint32_t c = 0; c < cell_volume.size(); ++c) {
         if (has_node(c)) continue;
@@ -146,10 +153,8 @@ void add_node_points(Sampling& s, std::vector<double> cell_volume) {
             const std::uint32_t n = s.neighbors[k];
             if (has_node(n) && (best == no_index || cell_volume[n] > cell_volume[best])) best = n;
         }
-        if (best == no_index)
-            add_point(s, s.cell_centroids[c], cell_volume[c], c, no_index, Sampling::irregular);
-        else
-            given[best] += cell_volume[c];
+        if (best == no_index) add_point(s, s.cell_centroids[c], cell_volume[c], c, no_index, Sampling::irregular);
+        else given[best] += cell_volume[c];
     }
     std::vector<double> node_volume(s.nodes.size());
     for (std::uint32_t c = 0; c < cell_volume.size(); ++c) {
@@ -157,8 +162,7 @@ void add_node_points(Sampling& s, std::vector<double> cell_volume) {
         const double volume = cell_volume[c] + given[c];
         if (first != no_index && second != no_index)
             node_volume[first] += volume / 2, node_volume[second] += volume / 2;
-        else if (first != no_index || second != no_index)
-            node_volume[first != no_index ? first : second] += volume;
+        else if (first != no_index || second != no_index) node_volume[first != no_index ? first : second] += volume;
     }
     const double whole = s.spacing * s.spacing * s.spacing / (s.lattice == Lattice::bcc ? 2 : 1);
     const auto kind = [&](std::uint32_t n) {
@@ -186,8 +190,8 @@ void refuse_flat(const Sampling& s, const MeshReport& report) {
     const Vec3 side = report.upper - report.lower;
     const double workable = std::min(std::min({side.x, side.y, side.z}) / 2, std::cbrt(report.volume / 64));
     throw Error("a spacing of " + format_number(s.spacing) + " m gives this body " + std::to_string(s.nodes.size()) +
-                (s.nodes.size() < 4 ? " nodes; a body needs at least 4" : " nodes, all in one plane") + ". Use a spacing of " +
-                format_number(workable) + " m or less");
+                (s.nodes.size() < 4 ? " nodes; a body needs at least 4" : " nodes, all in one plane") +
+                ". Use a spacing of " + format_number(workable) + " m or less");
 }
 
 }  // namespace
@@ -215,10 +219,8 @@ Sampling sample(const CheckedMesh& mesh, const BodySettings& settings, double sp
     }
     s.neighbor_offset = components.neighbor_offset;
     s.neighbors = components.neighbors;
-    if (s.lattice == Lattice::cubic)
-        place_cubic_nodes(s, cell_volume, smallest_share);
-    else
-        place_bcc_nodes(s, cell_volume, smallest_share);
+    if (s.lattice == Lattice::cubic) place_cubic_nodes(s, cell_volume, smallest_share);
+    else place_bcc_nodes(s, cell_volume, smallest_share);
     refuse_flat(s, mesh.report);
 
     // Quadrature points.
@@ -247,8 +249,8 @@ std::uint32_t Sampling::locate(const Vec3& position, const Vec3& outward) const 
     std::uint32_t best = no_index;
     double best_distance = 0;
     const auto consider = [&](const Index3& candidate) {
-        for (auto it = std::lower_bound(cell_box.begin(), cell_box.end(), candidate); it != cell_box.end() && *it == candidate;
-             ++it) {
+        for (auto it = std::lower_bound(cell_box.begin(), cell_box.end(), candidate);
+             it != cell_box.end() && *it == candidate; ++it) {
             const auto c = static_cast<std::uint32_t>(it - cell_box.begin());
             const double distance = norm_squared(cell_centroids[c] - inside);
             if (best == no_index || distance < best_distance) best = c, best_distance = distance;
@@ -289,7 +291,9 @@ Sampling whole_cells(const std::array<int, 3>& counts, double spacing) {
     Sampling s;
     s.quadrature = Quadrature::nodes;
     s.spacing = s.pitch = spacing;
-    const auto index = [&](int i, int j, int k) { return static_cast<std::uint32_t>(k + counts[2] * (j + counts[1] * i)); };
+    const auto index = [&](int i, int j, int k) {
+        return static_cast<std::uint32_t>(k + counts[2] * (j + counts[1] * i));
+    };
     const double volume = spacing * spacing * spacing;
     s.neighbor_offset = {0};
     for (int i = 0; i < counts[0]; ++i)

@@ -17,7 +17,8 @@ double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threa
 void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, double dt, const Threads& threads) {
     const std::size_t n = b.model.rest.size();
     b.force.resize(n);
-    b.viscous_power = internal_forces(b.model, b.state.x, b.state.v, around.stiffness_damping, b.work, threads, b.force);
+    b.viscous_power =
+        internal_forces(b.model, b.state.x, b.state.v, around.stiffness_damping, b.work, threads, b.force);
     threads.for_each(n, chunk, [&](std::size_t i) { b.force[i] += b.model.mass[i] * around.gravity; });
     if (!b.loads.empty()) {
         b.load_force.assign(n, {});
@@ -27,11 +28,13 @@ void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, do
     b.touching = 0;
     if (b.contact && !around.colliders.empty()) {
         b.friction_force.assign(n, {});
-        b.touching = b.contact->add_forces(around.colliders, b.state.x, b.state.v, dt, threads, b.force, b.friction_force);
+        b.touching =
+            b.contact->add_forces(around.colliders, b.state.x, b.state.v, dt, threads, b.force, b.friction_force);
     }
 }
 
-void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_length, double time, const Threads& threads) {
+void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_length, double time,
+          const Threads& threads) {
     const std::size_t n = b.model.rest.size();
     b.previous = b.state.v;
     // Exact for a constant force: v' = e v + (1 - e)/alpha f/m, e = exp(-alpha dt).
@@ -62,7 +65,8 @@ void drift(DynamicBody& b, double dt, const Threads& threads) {
 }
 
 double kinetic_energy(const DynamicBody& b, const Threads& threads) {
-    return 0.5 * threads.sum(b.state.v.size(), chunk, [&](std::size_t i) { return b.model.mass[i] * norm_squared(b.state.v[i]); });
+    return 0.5 * threads.sum(b.state.v.size(), chunk,
+                             [&](std::size_t i) { return b.model.mass[i] * norm_squared(b.state.v[i]); });
 }
 
 }  // namespace phyxel

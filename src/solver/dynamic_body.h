@@ -15,8 +15,8 @@ namespace phyxel {
 /// What acts on every body of a world.
 struct Surroundings {
     Vec3 gravity{};
-    double mass_damping = 0;        ///< [1/s]
-    double stiffness_damping = 0;   ///< [s]
+    double mass_damping = 0;       ///< [1/s]
+    double stiffness_damping = 0;  ///< [s]
     std::vector<Collider> colliders;
 };
 
@@ -27,7 +27,7 @@ struct Exchanged {
 
 /// A body in motion: what it is, where it is, and what acts on it.
 struct DynamicBody {
-    TriangleMesh mesh;                            ///< the surface as simulated, rest space
+    TriangleMesh mesh;  ///< the surface as simulated, rest space
     Model model;
     State state;
     std::optional<EmbeddedSurface> surface;
@@ -36,23 +36,24 @@ struct DynamicBody {
     std::optional<ContactSamples> contact;
     Exchanged exchanged;
     LargestFrequency frequency;
-    double rest_step = 0;                         ///< [s] stable step of the body at rest
-    double step_limit = 0;                        ///< [s] stable step of the body as it is now
-    std::size_t touching = 0;                     ///< contact samples inside of an obstacle
+    double rest_step = 0;      ///< [s] stable step of the body at rest
+    double step_limit = 0;     ///< [s] stable step of the body as it is now
+    std::size_t touching = 0;  ///< contact samples inside of an obstacle
 
     // Work arrays [nodes].
     ForceWorkspace work;
-    std::vector<Vec3> force;                      ///< all forces but the constraints' [N]
-    std::vector<Vec3> load_force, friction_force; ///< two of their parts [N]
-    std::vector<Vec3> impulse, previous;          ///< of the constraints [N s]; velocity before a kick [m/s]
-    double viscous_power = 0;                     ///< [W]
+    std::vector<Vec3> force;                       ///< all forces but the constraints' [N]
+    std::vector<Vec3> load_force, friction_force;  ///< two of their parts [N]
+    std::vector<Vec3> impulse, previous;           ///< of the constraints [N s]; velocity before a kick [m/s]
+    double viscous_power = 0;                      ///< [W]
 };
 
-/// Evaluates the forces at the body's positions and velocities; `dt` is the length of the coming kick, which limits friction.
+/// Evaluates the forces at the body's positions and velocities; `dt` is the length of the coming kick, which limits
+/// friction.
 void evaluate_forces(DynamicBody& body, const Surroundings& around, double time, double dt, const Threads& threads);
 
-/// v += dt f/m with exact mass damping exp(-alpha dt), then the fixes: `drift` is how far positions will go with the new
-/// velocity, up to `time`; 0 when they stay. Books the work done.
+/// v += dt f/m with exact mass damping exp(-alpha dt), then the fixes: `drift` is how far positions will go with the
+/// new velocity, up to `time`; 0 when they stay. Books the work done.
 void kick(DynamicBody& body, const Surroundings& around, double dt, double drift, double time, const Threads& threads);
 
 /// x += dt v.

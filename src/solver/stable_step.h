@@ -12,17 +12,18 @@ namespace phyxel {
 class LargestFrequency {
 public:
     /// Estimate [1/s] after `iterations` more.
-    double estimate(const Model& model, std::span<const Vec3> x, int iterations, ForceWorkspace& work, const Threads& threads);
+    double estimate(const Model& model, std::span<const Vec3> x, int iterations, ForceWorkspace& work,
+                    const Threads& threads);
 
-    std::vector<Vec3>& mode() { return mode_; }   ///< [nodes] kept in checkpoints
+    std::vector<Vec3>& mode() { return mode_; }  ///< [nodes] kept in checkpoints
 
 private:
     std::vector<Vec3> mode_, image_;
 };
 
-/// Longest step [s] that explicit integration should take at largest frequency `omega` [1/s] with stiffness damping beta
-/// [s]: 0.6 of the limit (2/omega) (sqrt(1 + xi^2) - xi), xi = beta omega / 2. At 0.5 of the limit at rest the energy of a
-/// strongly deforming body drifts by less than 0.3 % in 1e5 steps, at 0.8 it blows up.
+/// Longest step [s] that explicit integration should take at largest frequency `omega` [1/s] with stiffness damping
+/// beta [s]: 0.6 of the limit (2/omega) (sqrt(1 + xi^2) - xi), xi = beta omega / 2. At 0.5 of the limit at rest the
+/// energy of a strongly deforming body drifts by less than 0.3 % in 1e5 steps, at 0.8 it blows up.
 double stable_step(double omega, double stiffness_damping);
 
 }  // namespace phyxel

@@ -12,12 +12,12 @@ namespace {
 using Bodies = std::span<const std::unique_ptr<DynamicBody>>;
 
 constexpr std::size_t steps_between_estimates = 32;
-constexpr int rest_iterations = 60;       ///< power iterations for a new body
-constexpr int warm_iterations = 4;        ///< power iterations that go on from the last estimate
+constexpr int rest_iterations = 60;  ///< power iterations for a new body
+constexpr int warm_iterations = 4;   ///< power iterations that go on from the last estimate
 constexpr int halvings = 8;
 
-/// Energy out of nowhere, relative to the largest energy around, from which a step counts as unstable. Explicit contact and
-/// fast crushing err by some per cent; an instability multiplies.
+/// Energy out of nowhere, relative to the largest energy around, from which a step counts as unstable. Explicit contact
+/// and fast crushing err by some per cent; an instability multiplies.
 constexpr double tolerated_gain = 0.25;
 
 struct Snapshot {
@@ -50,20 +50,23 @@ std::string trouble_with(DynamicBody& b, const Snapshot& before, const Surroundi
     for (std::size_t i = 0; i < b.state.x.size(); ++i)
         if (!is_finite(b.state.x[i]) || !is_finite(b.state.v[i])) {
             const Vec3& X = b.model.rest[i];
-            return "node " + std::to_string(i) + " at rest position [" + format_number(X.x) + ", " + format_number(X.y) + ", " +
-                   format_number(X.z) + "] left the numbers";
+            return "node " + std::to_string(i) + " at rest position [" + format_number(X.x) + ", " +
+                   format_number(X.y) + ", " + format_number(X.z) + "] left the numbers";
         }
     const BodyEnergy after = body_energy(b, around, threads);
     const double external = b.exchanged.external - before.exchanged.external;
-    const double lost = b.exchanged.damping + b.exchanged.friction - before.exchanged.damping - before.exchanged.friction;
+    const double lost =
+        b.exchanged.damping + b.exchanged.friction - before.exchanged.damping - before.exchanged.friction;
     const double gain = after.total() - before.energy.total() - external + lost;
-    const double weight = norm(around.gravity) * b.model.total_mass * (norm(b.state.x.front() - start) + b.model.node_length);
+    const double weight =
+        norm(around.gravity) * b.model.total_mass * (norm(b.state.x.front() - start) + b.model.node_length);
     const auto stored = [](const BodyEnergy& e) { return e.kinetic + e.elastic + e.stabilization + e.contact; };
     // Below a strain of 1e-4 everywhere there is nothing to lose.
     const double quiet = 1e-8 * b.model.settings.youngs_modulus * b.model.sampling.clipped_volume;
     const double scale = std::max({stored(after), stored(before.energy), std::abs(external), lost, weight, quiet});
     if (gain <= tolerated_gain * scale) return {};
-    return "energy grew by " + format_number(gain) + " J out of nowhere, more than is stored (" + format_number(stored(after)) + " J)";
+    return "energy grew by " + format_number(gain) + " J out of nowhere, more than is stored (" +
+           format_number(stored(after)) + " J)";
 }
 
 double shortest_limit(Bodies bodies) {
@@ -73,18 +76,16 @@ double shortest_limit(Bodies bodies) {
 }
 
 /// One try, with substeps shortened by `shortening`. Stops early where something is no longer finite.
-void try_advance(Bodies bodies, const Surroundings& around, Integrator integrator, double time, double duration, double shortening,
-                 const Threads& threads, StepReport& report) {
+void try_advance(Bodies bodies, const Surroundings& around, Integrator integrator, double time, double duration,
+                 double shortening, const Threads& threads, StepReport& report) {
     for (double left = duration; left > 0;) {
         const double limit = shortest_limit(bodies) * shortening;
         const double needed = std::max(1.0, std::ceil(left / limit * (1 - 1e-12)));
         const double dt = left / needed;
         const auto count = static_cast<std::size_t>(std::min(needed, double(steps_between_estimates)));
         for (const auto& b : bodies) {
-            if (integrator == Integrator::verlet)
-                verlet(*b, around, time, dt, count, threads);
-            else
-                leap_frog(*b, around, time, dt, count, threads);
+            if (integrator == Integrator::verlet) verlet(*b, around, time, dt, count, threads);
+            else leap_frog(*b, around, time, dt, count, threads);
             if (!std::isfinite(kinetic_energy(*b, threads))) return;
             // Deformation lowers the limit; it never rises above that at rest, for which contact is made.
             const double omega = b->frequency.estimate(b->model, b->state.x, warm_iterations, b->work, threads);
@@ -105,8 +106,8 @@ BodyEnergy body_energy(DynamicBody& b, const Surroundings& around, const Threads
     e.kinetic = kinetic_energy(b, threads);
     e.elastic = elastic_energy(b.model, b.state.x, b.work, threads);
     e.stabilization = stabilization_energy(b.model, b.state.x, b.work, threads);
-    e.gravitational =
-        -threads.sum(b.state.x.size(), 1024, [&](std::size_t i) { return b.model.mass[i] * dot(around.gravity, b.state.x[i]); });
+    e.gravitational = -threads.sum(b.state.x.size(), 1024,
+                                   [&](std::size_t i) { return b.model.mass[i] * dot(around.gravity, b.state.x[i]); });
     if (b.contact) e.contact = b.contact->energy(around.colliders, b.state.x, threads);
     return e;
 }
@@ -145,9 +146,10 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
     }
     report.status = StepStatus::failed;
     report.substeps = 0;
-    report.message = "no stable step from time " + format_number(time) + " s, even with substeps of " +
-                     format_number(shortest_limit(bodies) * shortening * 2) + " s: " + trouble +
-                     ". The state is the last good one. A stiffer law (neo-hookean), a finer spacing or gentler loads may help";
+    report.message =
+        "no stable step from time " + format_number(time) + " s, even with substeps of " +
+        format_number(shortest_limit(bodies) * shortening * 2) + " s: " + trouble +
+        ". The state is the last good one. A stiffer law (neo-hookean), a finer spacing or gentler loads may help";
     return report;
 }
 

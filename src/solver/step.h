@@ -17,11 +17,11 @@ struct BodyEnergy {
 
 BodyEnergy body_energy(DynamicBody& body, const Surroundings& around, const Threads& threads);
 
-/// Advances all bodies by `duration` [s] from `time`, in equal substeps no longer than the shortest stable step, which is
-/// looked at again every 32 substeps. A result that is not finite, or that gained energy from nowhere, is thrown away and
-/// done again with substeps half as long, eight times at most; then the bodies are left as they were before.
-StepReport advance(std::span<const std::unique_ptr<DynamicBody>> bodies, const Surroundings& around, Integrator integrator,
-                   double time, double duration, const Threads& threads);
+/// Advances all bodies by `duration` [s] from `time`, in equal substeps no longer than the shortest stable step, which
+/// is looked at again every 32 substeps. A result that is not finite, or that gained energy from nowhere, is thrown
+/// away and done again with substeps half as long, eight times at most; then the bodies are left as they were before.
+StepReport advance(std::span<const std::unique_ptr<DynamicBody>> bodies, const Surroundings& around,
+                   Integrator integrator, double time, double duration, const Threads& threads);
 
 /// Sets the stable steps of a new body from its rest state.
 void estimate_rest_step(DynamicBody& body, const Surroundings& around, const Threads& threads);

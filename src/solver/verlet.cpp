@@ -2,7 +2,8 @@
 
 namespace phyxel {
 
-void verlet(DynamicBody& body, const Surroundings& around, double start, double dt, std::size_t count, const Threads& threads) {
+void verlet(DynamicBody& body, const Surroundings& around, double start, double dt, std::size_t count,
+            const Threads& threads) {
     evaluate_forces(body, around, start, dt / 2, threads);
     for (std::size_t k = 1; k <= count; ++k) {
         const double time = start + static_cast<double>(k) * dt;

@@ -6,11 +6,13 @@
 
 namespace phyxel {
 
-/// The original surface mesh, carried along by the nodes: x = sum phi X, normals by cof(F) N, so that creases stay creases.
+/// The original surface mesh, carried along by the nodes: x = sum phi X, normals by cof(F) N, so that creases stay
+/// creases.
 class EmbeddedSurface final : public Surface {
 public:
     /// `mesh` in rest space; `rest_normals` [vertices], unit, outward.
-    EmbeddedSurface(const Model& model, const TriangleMesh& mesh, std::vector<Vec3> rest_normals, const Threads& threads);
+    EmbeddedSurface(const Model& model, const TriangleMesh& mesh, std::vector<Vec3> rest_normals,
+                    const Threads& threads);
 
     void update(std::span<const Vec3> x, const Threads& threads);
 
@@ -22,7 +24,7 @@ public:
 
 private:
     EmbeddedPoints points_;
-    std::vector<Vec3> rest_normals_;     ///< [vertices] rest space
+    std::vector<Vec3> rest_normals_;  ///< [vertices] rest space
     std::vector<Triangle> triangles_;
     std::vector<Vec3f> positions_, normals_;
 };

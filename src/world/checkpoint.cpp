@@ -10,7 +10,8 @@
 namespace phyxel {
 namespace {
 
-/// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials, obstacles.
+/// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials,
+/// obstacles.
 std::uint64_t fingerprint(const World::Parts& p) {
     Hasher hasher;
     hasher.add_value(p.settings.time_step);
@@ -25,8 +26,8 @@ std::uint64_t fingerprint(const World::Parts& p) {
         hasher.add_values(std::span<const double>(m.mass));
         hasher.add_values(std::span<const double>(m.volumes));
         hasher.add_values(std::span<const Vec3>(m.stencils.gradient));
-        for (double value : {m.settings.density, m.settings.youngs_modulus, m.settings.poissons_ratio, m.settings.volume_stiffness,
-                             m.stabilization, body->rest_step})
+        for (double value : {m.settings.density, m.settings.youngs_modulus, m.settings.poissons_ratio,
+                             m.settings.volume_stiffness, m.stabilization, body->rest_step})
             hasher.add_value(value);
         hasher.add_value(static_cast<std::uint64_t>(m.settings.law));
         hasher.add_value(static_cast<std::uint64_t>(body->loads.size()));
@@ -62,8 +63,10 @@ void World::load_checkpoint(const std::filesystem::path& path) {
     Parts& p = *parts_;
     const CheckpointReader file(path);
     if (file.value<std::uint64_t>("fingerprint") != fingerprint(p))
-        throw Error(path.string() + ": this checkpoint is of another world (written by version " + file.library_version() +
-                    "): its bodies, materials, settings or obstacles differ from the scene's. Resume with the scene and the --set "
+        throw Error(path.string() + ": this checkpoint is of another world (written by version " +
+                    file.library_version() +
+                    "): its bodies, materials, settings or obstacles differ from the scene's. Resume with the scene "
+                    "and the --set "
                     "values that wrote it");
     // All is read before anything changes.
     std::vector<State> states;
@@ -71,7 +74,8 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
         (void)file.values<Vec3>(section(i, "mode"), n);
-        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start"}) (void)file.value<double>(section(i, what));
+        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start"})
+            (void)file.value<double>(section(i, what));
         (void)file.value<Exchanged>(section(i, "exchanged"));
     }
     p.time = file.value<double>("time");

@@ -19,7 +19,8 @@ namespace {
 }
 
 void check_axis(const AxisAngle& rotation, const std::string& field) {
-    if (!is_finite(rotation.axis) || norm(rotation.axis) == 0) throw Error("body " + field + ".axis: expected a vector of any length but zero");
+    if (!is_finite(rotation.axis) || norm(rotation.axis) == 0)
+        throw Error("body " + field + ".axis: expected a vector of any length but zero");
     if (!std::isfinite(rotation.degrees)) refuse(field + ".degrees", rotation.degrees, "a finite number");
 }
 
@@ -28,13 +29,15 @@ std::string format_place(const Vec3& p) {
 }
 
 void warn_of_thin_parts(const TriangleMesh& mesh, double spacing, World::Parts& parts) {
-    const Thickness thickness = measure_thickness(mesh);
+    const Thickness thickness = local_thickness(mesh);
     if (!(thickness.thinnest < 2 * spacing)) return;
     if (thickness.thinnest >= spacing) {
-        parts.warn("a part of the body is thinner than two spacings: its bending stiffness may be off by some per cent");
+        parts.warn(
+            "a part of the body is thinner than two spacings: its bending stiffness may be off by some per cent");
     } else {
-        parts.warn("a part of the body is " + format_number(thickness.thinnest) + " m thin at " + format_place(thickness.place) +
-                   ", less than one spacing: a spacing of " + format_number(thickness.thinnest / 2) + " m would resolve it");
+        parts.warn("a part of the body is " + format_number(thickness.thinnest) + " m thin at " +
+                   format_place(thickness.place) + ", less than one spacing: a spacing of " +
+                   format_number(thickness.thinnest / 2) + " m would resolve it");
     }
 }
 
@@ -45,14 +48,16 @@ void warn_of_stencils(const StencilReport& report, World::Parts& parts) {
                    report.deficient);
     if (!report.consistent)
         parts.warn("the consistency correction stopped at a patch error of " + format_number(report.consistency_after) +
-                   " (from " + format_number(report.consistency_before) + "): local stress near the surface is less accurate");
+                   " (from " + format_number(report.consistency_before) +
+                   "): local stress near the surface is less accurate");
 }
 
-/// The surface that is handed out: the caller's own vertices and triangles, seams included, unless triangles had to be dropped
-/// or turned; then the mended mesh.
+/// The surface that is handed out: the caller's own vertices and triangles, seams included, unless triangles had to be
+/// dropped or turned; then the mended mesh.
 void make_surface(DynamicBody& body, const TriangleMesh& original, const CheckedMesh& checked, const Threads& threads) {
     const std::vector<Vec3> normals = vertex_normals(checked.mesh);
-    if (checked.mesh.triangles.size() != original.triangles.size() || checked.report.flipped_triangles > 0 || checked.report.inside_out) {
+    if (checked.mesh.triangles.size() != original.triangles.size() || checked.report.flipped_triangles > 0 ||
+        checked.report.inside_out) {
         body.surface.emplace(body.model, checked.mesh, normals, threads);
         return;
     }
@@ -87,7 +92,8 @@ std::optional<std::uint32_t> find_cell_of_point(const DynamicBody& body, const V
         const Bounds bounds = bounding_box(mesh);
         double nearest = std::numeric_limits<double>::infinity();
         for (const Triangle& t : mesh.triangles)
-            nearest = std::min(nearest, distance_to_triangle(rest_point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+            nearest = std::min(nearest, distance_to_triangle(rest_point, mesh.vertices[t[0]], mesh.vertices[t[1]],
+                                                             mesh.vertices[t[2]]));
         if (nearest > 1e-6 * norm(bounds.size())) return {};
     }
     return body.model.sampling.locate(body.model.sampling.frame.to_lattice(rest_point), {});
@@ -100,14 +106,18 @@ void validate(const BodySettings& s) {
     if (!is_finite(s.translation)) throw Error("body translation: expected finite numbers [m]");
     if (!is_finite(s.velocity)) throw Error("body velocity: expected finite numbers [m/s]");
     if (!is_finite(s.lattice_offset)) throw Error("body sampling.offset: expected finite numbers [spacings]");
-    if (!(s.spacing >= 0) || !std::isfinite(s.spacing)) refuse("spacing", s.spacing, "a finite number above 0 [m], or 0 to use count");
+    if (!(s.spacing >= 0) || !std::isfinite(s.spacing))
+        refuse("spacing", s.spacing, "a finite number above 0 [m], or 0 to use count");
     if (s.spacing == 0 && s.count < 4) refuse("count", static_cast<double>(s.count), "at least 4 nodes");
     const Kernel& k = s.kernel;
     if (k.neighbors == 0 && k.support != 0 && !(k.support >= 1.2 && k.support <= 8))
         refuse("kernel.support", k.support, "1.2 to 8 spacings, or 0 for the default");
-    if (k.neighbors != 0 && (k.neighbors < 8 || k.neighbors > 1000)) refuse("kernel.neighbors", k.neighbors, "8 to 1000, or 0 for none");
-    if (k.neighbors != 0 && !(k.dilation >= 1.01 && k.dilation <= 4)) refuse("kernel.dilation", k.dilation, "1.01 to 4");
-    if (!std::isfinite(s.stabilization) || s.stabilization > 10) refuse("stabilization", s.stabilization, "0 to 10, or -1 for the default");
+    if (k.neighbors != 0 && (k.neighbors < 8 || k.neighbors > 1000))
+        refuse("kernel.neighbors", k.neighbors, "8 to 1000, or 0 for none");
+    if (k.neighbors != 0 && !(k.dilation >= 1.01 && k.dilation <= 4))
+        refuse("kernel.dilation", k.dilation, "1.01 to 4");
+    if (!std::isfinite(s.stabilization) || s.stabilization > 10)
+        refuse("stabilization", s.stabilization, "0 to 10, or -1 for the default");
     validate(s.material);
 }
 
@@ -128,7 +138,8 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
         throw Error((mesh.source.empty() ? "mesh" : mesh.source) + ": cannot be simulated: " + checked.report.refusal);
     for (const std::string& repair : checked.report.repairs) parts.warn(repair);
 
-    const double spacing = settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
+    const double spacing =
+        settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
     Sampling sampling = sample(checked, settings, spacing, parts.threads);
     warn_of_thin_parts(checked.mesh, spacing, parts);
 

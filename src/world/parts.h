@@ -10,7 +10,7 @@ namespace phyxel {
 struct World::Parts {
     struct Slot {
         std::uint32_t generation = 0;
-        std::size_t body = 0;      ///< index into `bodies`
+        std::size_t body = 0;  ///< index into `bodies`
         bool alive = false;
     };
     struct BodyInfo {
@@ -21,7 +21,7 @@ struct World::Parts {
     };
     struct FixName {
         BodyId body;
-        std::size_t number;           ///< in the body's constraints
+        std::size_t number;  ///< in the body's constraints
     };
     struct Probe {
         BodyId body;
@@ -35,13 +35,13 @@ struct World::Parts {
     double time = 0;
     std::vector<Slot> slots;
     std::vector<std::unique_ptr<DynamicBody>> bodies;
-    std::vector<BodyInfo> infos;           ///< of `bodies`
+    std::vector<BodyInfo> infos;  ///< of `bodies`
     std::vector<FixName> fixes;
     std::vector<Probe> probes;
     std::map<std::string, std::size_t> warnings;
-    double measured_seconds = 0;           ///< [s] that the last step advanced
-    Exchanged lost_with_bodies;            ///< of bodies that were removed
-    double largest_energy = 0;             ///< [J] seen so far
+    double measured_seconds = 0;  ///< [s] that the last step advanced
+    Exchanged lost_with_bodies;   ///< of bodies that were removed
+    double largest_energy = 0;    ///< [J] seen so far
 
     std::size_t index_of(BodyId id) const;
     DynamicBody& body(BodyId id) { return *bodies[index_of(id)]; }

@@ -29,8 +29,8 @@ EnergyLedger World::Parts::ledger() {
     sum.damping = exchanged.damping;
     sum.friction = exchanged.friction;
     const double stored = sum.kinetic + sum.elastic + sum.stabilization + sum.contact;
-    largest_energy = std::max({largest_energy, stored, std::abs(sum.gravitational - gravity_at_start), std::abs(sum.external_work),
-                               sum.damping + sum.friction});
+    largest_energy = std::max({largest_energy, stored, std::abs(sum.gravitational - gravity_at_start),
+                               std::abs(sum.external_work), sum.damping + sum.friction});
     const double missing = stored + sum.gravitational + sum.damping + sum.friction - sum.external_work - start;
     sum.balance_error = largest_energy > 0 ? std::abs(missing) / largest_energy : 0;
     return sum;

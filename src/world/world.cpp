@@ -17,11 +17,14 @@ void check_settings(const WorldSettings& s) {
         throw Error("time_step: found " + format_number(s.time_step) + ", expected a finite number above 0 [s]");
     if (!is_finite(s.gravity)) throw Error("gravity: expected finite numbers [m/s^2]");
     if (!(s.mass_damping >= 0) || !std::isfinite(s.mass_damping))
-        throw Error("mass_damping: found " + format_number(s.mass_damping) + ", expected a finite number of at least 0 [1/s]");
+        throw Error("mass_damping: found " + format_number(s.mass_damping) +
+                    ", expected a finite number of at least 0 [1/s]");
     if (!(s.stiffness_damping >= 0) || !std::isfinite(s.stiffness_damping))
-        throw Error("stiffness_damping: found " + format_number(s.stiffness_damping) + ", expected a finite number of at least 0 [s]");
+        throw Error("stiffness_damping: found " + format_number(s.stiffness_damping) +
+                    ", expected a finite number of at least 0 [s]");
     if (s.threads < 0 || s.threads > 1024)
-        throw Error("threads: found " + std::to_string(s.threads) + ", expected 1 to 1024, or 0 for all of the machine's");
+        throw Error("threads: found " + std::to_string(s.threads) +
+                    ", expected 1 to 1024, or 0 for all of the machine's");
 }
 
 void check_box(const BoxSelection& box, const char* what) {
@@ -54,7 +57,8 @@ BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     Parts::BodyInfo info;
     auto body = make_body(mesh, settings, p, info.mesh_report);
     const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
-    if (depth > 0.01 * body->model.node_length) p.warn("a body begins " + format_number(depth) + " m inside of a collider");
+    if (depth > 0.01 * body->model.node_length)
+        p.warn("a body begins " + format_number(depth) + " m inside of a collider");
     const BodyEnergy energy = body_energy(*body, p.around, p.threads);
     info.energy_at_start = energy.total();
     info.gravity_at_start = energy.gravitational;
@@ -127,8 +131,8 @@ std::size_t World::add_probe(BodyId id, const Vec3& rest_point) {
                     format_number(rest_point.z) + "] lies outside of its body. Move it inside (rest space)");
     const Vec3 position = body.model.sampling.frame.to_lattice(rest_point);
     p.probes.push_back({id, rest_point,
-                        embed(body.model.sampling, body.model.approximation, std::span(&position, 1), std::span(&*cell, 1),
-                              Gradients::no, p.threads)});
+                        embed(body.model.sampling, body.model.approximation, std::span(&position, 1),
+                              std::span(&*cell, 1), Gradients::no, p.threads)});
     return p.probes.size() - 1;
 }
 
