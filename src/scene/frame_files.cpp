@@ -58,7 +58,7 @@ FrameFiles::FrameFiles(const Scene& scene, const BuiltScene& built, std::filesys
         animation_ = std::make_unique<GlbWriter>(folder_ / ("animation" + from + ".glb"), meshes);
     }
     if (!output.formats.empty()) create_folder(folder_ / "frames");
-    if (!scene.probes.empty()) probes_ = std::make_unique<ProbeLog>(folder_ / "probes.csv", scene, built.world.time());
+    probes_ = std::make_unique<ProbeLog>(folder_ / "probes.csv", scene, built.world.time());
     if (output.writes(OutputFormat::vtu)) list_earlier_frames(first_frame);
 }
 
@@ -77,7 +77,7 @@ void FrameFiles::write(std::size_t frame) {
         }
         animation_->add_frame(built_->world.time(), poses);
     }
-    if (probes_) probes_->add_row(*built_);
+    probes_->add_row(*built_);
     if (is_time_to_list(++written_)) write_lists();
 }
 

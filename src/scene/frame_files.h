@@ -19,7 +19,7 @@ namespace phyxel {
 ///     frames/BODY.NNNNNN.ply, .obj                        ply, obj
 ///     frames/picture.NNNNNN.png                           png
 ///     video.mp4, animation.glb                            mp4, glb
-///     probes.csv                                          always, when there are probes
+///     probes.csv                                          always; the times alone when there are no probes
 ///
 /// A resumed run goes on with the numbers of its frames. Film and animation cannot be continued: those of a resumed run
 /// are called video.from-NNNNNN.mp4 and animation.from-NNNNNN.glb and begin with its first frame.

@@ -19,12 +19,12 @@ namespace phyxel {
 
 struct SceneSimulation {
     Integrator integrator = Integrator::leap_frog;
-    std::optional<double> time_step;  ///< [s]; none: from the stability bound
-    double duration = 2;              ///< [s]
-    double frame_rate = 60;           ///< [1/s] of written output
-    Vec3 gravity{0, -9.81, 0};        ///< [m/s^2]
-    double mass_damping = 0;          ///< [1/s]
-    double stiffness_damping = 0;     ///< [s]
+    std::optional<double> time_step{};  ///< [s]; none: from the stability bound
+    double duration = 2;                ///< [s]
+    double frame_rate = 60;             ///< [1/s] of written output
+    Vec3 gravity{0, -9.81, 0};          ///< [m/s^2]
+    double mass_damping = 0;            ///< [1/s]
+    double stiffness_damping = 0;       ///< [s]
 };
 
 struct SceneMaterial {
