@@ -10,7 +10,8 @@ from report import Report
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # The folder in which the subject of a public header lives: only it and those below may include the header. body.h and
-# material.h are plain settings without code, colliders among them, which the renderer and the sampling already read.
+# material.h are plain settings without code, colliders among them, which the renderer and the sampling already read;
+# world.h declares what they report, StepReport and Surface among them.
 PUBLIC = {
     "vector": "base",
     "error": "base",
@@ -18,7 +19,7 @@ PUBLIC = {
     "mesh": "geometry",
     "material": "geometry",
     "body": "geometry",
-    "world": "world",
+    "world": "surface",
     "phyxel": "world",
 }
 
