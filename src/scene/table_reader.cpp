@@ -14,9 +14,9 @@ bool Range::contains(double value) const {
 std::string Range::text() const {
     std::string text = "a finite number";
     const bool low = std::isfinite(lower), high = std::isfinite(upper);
+    const std::string_view upper_word = open_upper ? "and below" : open_lower ? "and up to" : "up to";
     if (low && high)
-        text = fmt::format(open_lower ? "a number above {:g} and {} {:g}" : "a number from {:g} {} {:g}", lower,
-                           open_upper ? "below" : "up to", upper);
+        text = fmt::format("a number {} {:g} {} {:g}", open_lower ? "above" : "from", lower, upper_word, upper);
     else if (low)
         text = fmt::format("a number {} {:g}", open_lower ? "above" : "from", lower) + (open_lower ? "" : " on");
     else if (high) text = fmt::format("a number {} {:g}", open_upper ? "below" : "up to", upper);
