@@ -16,7 +16,9 @@ void add_command(CLI::App& app, const std::string& name, const std::string& what
     command->add_option(argument, arguments->argument);
     command->add_option("-o,--output", arguments->folder, "Folder for the results")->type_name("DIR");
     add_threads(*command, arguments->threads);
-    command->callback([=] { throw Error("'phyxel " + name + "' is not available yet in this version; " + remedy); });
+    command->callback([name, remedy, arguments] {
+        throw Error("'phyxel " + name + "' is not available yet in this version; " + remedy);
+    });
 }
 
 }  // namespace

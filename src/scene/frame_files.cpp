@@ -57,7 +57,8 @@ FrameFiles::FrameFiles(const Scene& scene, const BuiltScene& built, std::filesys
             meshes.push_back({scene.bodies[i].name, built.world.surface(built.bodies[i]).triangles()});
         animation_ = std::make_unique<GlbWriter>(folder_ / ("animation" + from + ".glb"), meshes);
     }
-    if (!output.formats.empty()) create_folder(folder_ / "frames");
+    const auto is_of_a_frame = [](OutputFormat f) { return f != OutputFormat::mp4 && f != OutputFormat::glb; };
+    if (std::any_of(output.formats.begin(), output.formats.end(), is_of_a_frame)) create_folder(folder_ / "frames");
     probes_ = std::make_unique<ProbeLog>(folder_ / "probes.csv", scene, built.world.time());
     if (output.writes(OutputFormat::vtu)) list_earlier_frames(first_frame);
 }

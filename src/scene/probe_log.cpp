@@ -25,12 +25,12 @@ std::string header(const Scene& scene) {
     return line;
 }
 
-/// The rows of an earlier run of the same probes that came before `time`.
-std::string rows_before(const std::filesystem::path& path, const std::string& head, double time) {
+/// The rows of an earlier run of the same probes up to `time`.
+std::string rows_up_to(const std::filesystem::path& path, const std::string& head, double time) {
     std::ifstream file(path);
     std::string line, rows;
     if (!std::getline(file, line) || line != head) return {};
-    while (std::getline(file, line) && !file.eof() && std::strtod(line.c_str(), nullptr) < time * (1 - 1e-9))
+    while (std::getline(file, line) && !file.eof() && std::strtod(line.c_str(), nullptr) <= time * (1 + 1e-9))
         rows += line + '\n';
     return rows;
 }
@@ -39,7 +39,7 @@ std::string rows_before(const std::filesystem::path& path, const std::string& he
 
 ProbeLog::ProbeLog(std::filesystem::path path, const Scene& scene, double resume_time) : path_(std::move(path)) {
     const std::string head = header(scene);
-    const std::string kept = resume_time > 0 ? rows_before(path_, head, resume_time) : std::string();
+    const std::string kept = resume_time > 0 ? rows_up_to(path_, head, resume_time) : std::string();
     file_.open(path_, std::ios::binary | std::ios::trunc);
     file_ << head << '\n' << kept << std::flush;
     if (!file_)

@@ -13,7 +13,7 @@ namespace phyxel {
 /// comes, so that a killed run keeps all but the last.
 class ProbeLog {
 public:
-    /// Starts the file; with `resume_time` [s] keeps the rows before it of a file that is there already.
+    /// Starts the file; with `resume_time` [s] keeps the rows up to it of a file that is there already.
     ProbeLog(std::filesystem::path path, const Scene& scene, double resume_time);
 
     void add_row(const BuiltScene& built);

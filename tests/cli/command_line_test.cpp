@@ -83,11 +83,11 @@ TEST_F(CommandLine, selections_and_probes_that_miss_are_refused_at_their_place) 
     std::string outside = small_scene;
     outside.replace(outside.find(probe), probe.size(), "point = [0, 0.2, 0]");
     write("probe.toml", outside);
-    expect_mistake(shell("phyxel run probe.toml"), "probe.toml:22:9: field 'probe.middle.point'");
+    expect_mistake(shell("phyxel run probe.toml"), "probe.toml:21:9: field 'probe.middle.point'");
     write("fix.toml", small_scene + "[[fix]]\nname = \"f\"\nbody = \"block\"\nbox = [[1, 1, 1], [2, 2, 2]]\n");
-    expect_mistake(shell("phyxel run fix.toml"), "fix.toml:28:7: field 'fix.f.box'");
+    expect_mistake(shell("phyxel run fix.toml"), "fix.toml:27:7: field 'fix.f.box'");
     write("load.toml", small_scene + "[[load]]\nbody = \"block\"\nbox = [[1, 1, 1], [2, 2, 2]]\nforce = [0, 0, 1]\n");
-    expect_mistake(shell("phyxel run load.toml"), "load.toml:27:7: field 'load.0.box'");
+    expect_mistake(shell("phyxel run load.toml"), "load.toml:26:7: field 'load.0.box'");
     EXPECT_FALSE(std::filesystem::exists(work() / "output"));
 }
 
