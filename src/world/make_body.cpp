@@ -141,6 +141,8 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     const double spacing =
         settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
     Sampling sampling = sample(checked, settings, spacing, parts.threads);
+    // Where the surface crosses itself or is open, the region of winding number above 1/2 is known as well as it was sampled.
+    if (!checked.closed_and_simple) mesh_report.volume = sampling.clipped_volume;
     warn_of_thin_parts(checked.mesh, spacing, parts);
 
     auto body = std::make_unique<DynamicBody>();
