@@ -3,7 +3,10 @@
 namespace phyxel::cli {
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all = {};
+    static const std::vector<Bench> all = {
+        {"table-5.1", "steps a second on the bodies of the 2008 thesis", bench::run_table_5_1},
+        {"setup", "time and memory from a mesh to the first step", bench::run_setup},
+    };
     return all;
 }
 

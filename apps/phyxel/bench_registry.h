@@ -3,18 +3,15 @@
 #include <string_view>
 #include <vector>
 
-namespace phyxel::cli {
+#include "bench/benches.h"
 
-struct BenchOptions {
-    int threads = 0;       ///< 0: all of the machine's
-    bool as_json = false;  ///< one JSON value on standard output instead of a table
-};
+namespace phyxel::cli {
 
 /// One benchmark: prints its table, returns the program's exit code.
 struct Bench {
     std::string_view name;
     std::string_view what;
-    int (*run)(const BenchOptions& options);
+    int (*run)(const bench::Options& options);
 };
 
 /// All benchmarks, in the order in which `phyxel bench` runs them.

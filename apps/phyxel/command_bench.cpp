@@ -11,7 +11,7 @@
 namespace phyxel::cli {
 namespace {
 
-int run_benches(const std::string& name, const BenchOptions& options) {
+int run_benches(const std::string& name, const bench::Options& options) {
     std::vector<std::string> names;
     for (const Bench& bench : benches()) names.emplace_back(bench.name);
     if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end())
@@ -33,12 +33,16 @@ std::string list_of_benches() {
 void add_bench(CLI::App& app, int& exit_code) {
     struct Arguments {
         std::string name;
-        BenchOptions options;
+        bench::Options options;
     };
     auto* command = app.add_subcommand("bench", "Runs the benchmarks, or one of them");
     auto arguments = std::make_shared<Arguments>();
     command->add_option("NAME", arguments->name, "Which one; all of them when left out");
     command->add_flag("--json", arguments->options.as_json, "Prints the results as JSON");
+    command->add_option("--mesh", arguments->options.mesh, "setup: this mesh instead of the bunny")->type_name("FILE");
+    command->add_option("--nodes", arguments->options.nodes, "setup: this number of nodes only")->type_name("N");
+    command->add_flag("--large", arguments->options.large, "setup: 200,000 nodes as well (4 GB of memory)");
+    command->add_flag("--reference", arguments->options.reference, "table-5.1: also the listing, coded line by line");
     add_threads(*command, arguments->options.threads);
     command->footer(list_of_benches());
     command->callback([arguments, &exit_code] { exit_code = run_benches(arguments->name, arguments->options); });

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "phyxel/error.h"
 #include "phyxel/version.h"
+#include "scene/scene_text.h"
 
 namespace phyxel::cli {
 namespace {
@@ -19,6 +20,12 @@ namespace {
 int complain(std::string_view message, ExitCode code) {
     fmt::print(stderr, "phyxel: {}\n", message);
     return code;
+}
+
+std::string no_such_command(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    return fmt::format("there is no command '{}'{}; see 'phyxel --help'", word, suggestion(word, names));
 }
 
 int run_program(int argc, char** argv) {
@@ -37,6 +44,7 @@ int run_program(int argc, char** argv) {
         // Asked for help or the version: no mistake
         if (error.get_exit_code() == 0) return app.exit(error);
         const auto given = app.get_subcommands();
+        if (given.empty() && argc > 1 && argv[1][0] != '-') return complain(no_such_command(app, argv[1]), mistake);
         return complain(fmt::format("{}; see 'phyxel {}--help'", error.what(),
                                     given.empty() ? "" : given.front()->get_name() + " "),
                         mistake);

@@ -1,5 +1,7 @@
 #include "scene/build_world.h"
 
+#include <string_view>
+
 #include "phyxel/error.h"
 
 namespace phyxel {
@@ -27,6 +29,21 @@ TriangleMesh load_surface(const Scene& scene, const SceneBody& body) {
     return read_mesh(scene.text->path().parent_path() / file.path, file.part);
 }
 
+/// What a body is refused for is told by the words of the message alone: its mesh, its spacing, or anything else.
+const Place& place_of(const SceneBody& body, std::string_view message) {
+    if (message.find("cannot be simulated") != message.npos) return body.surface_place;
+    if (message.find("spacing of") != message.npos) return body.sampling_place;
+    return body.place;
+}
+
+BodyId add_body(const Scene& scene, const SceneBody& body, const TriangleMesh& mesh, World& world) {
+    try {
+        return world.add_body(mesh, body.settings);
+    } catch (const Error& error) {
+        scene.text->fail(place_of(body, error.what()), error.what());
+    }
+}
+
 WorldSettings world_settings(const SceneSimulation& simulation, int threads) {
     WorldSettings settings;
     settings.time_step = simulation.time_step.value_or(1 / simulation.frame_rate);
@@ -52,8 +69,7 @@ BuiltScene build_world(const Scene& scene, int threads) {
             return std::visit([&](const auto& shape) { return built.world.add_collider(shape); }, collider.shape);
         });
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        built.bodies.push_back(at(scene, scene.bodies[i].place,
-                                  [&] { return built.world.add_body(meshes[i], scene.bodies[i].settings); }));
+        built.bodies.push_back(add_body(scene, scene.bodies[i], meshes[i], built.world));
     for (const SceneFix& fix : scene.fixes)
         built.fixes.push_back(
             at(scene, fix.place, [&] { return built.world.add_fix(built.bodies[fix.body], fix.fix); }));

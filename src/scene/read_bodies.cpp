@@ -42,8 +42,12 @@ std::variant<MeshFile, Shape> read_surface(const TableReader& reader) {
     return MeshFile{*reader.string("mesh"), reader.string("part").value_or("")};
 }
 
+std::optional<TableReader> sampling_table(const TableReader& body) {
+    return body.table("sampling", {"nodes", "spacing", "count", "rotation", "offset"});
+}
+
 void read_sampling(const TableReader& body, BodySettings& settings) {
-    const auto reader = body.table("sampling", {"nodes", "spacing", "count", "rotation", "offset"});
+    const auto reader = sampling_table(body);
     if (!reader) return;
     reader->not_both("spacing", "count");
     settings.lattice = reader->choice<Lattice>("nodes", lattices).value_or(settings.lattice);
@@ -69,6 +73,13 @@ void read_kernel(const TableReader& body, BodySettings& settings) {
     kernel.dilation = reader->number("dilation", between(1.01, 4)).value_or(kernel.dilation);
 }
 
+/// What messages about the number of nodes point at.
+Place sampling_place(const TableReader& body) {
+    const auto reader = sampling_table(body);
+    if (!reader) return body.place();
+    return reader->has("spacing") ? reader->place("spacing") : reader->place(reader->has("count") ? "count" : "nodes");
+}
+
 SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>& materials, Names& names) {
     SceneBody body;
     body.name = names.take(reader);
@@ -89,8 +100,7 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
 
     body.place = reader.place();
     body.surface_place = reader.place(reader.has("mesh") ? "mesh" : "shape");
-    body.sampling_place = reader.place(reader.has("sampling") ? "sampling" : "material");
-    body.sampling_place.field = reader.path() + ".sampling";
+    body.sampling_place = sampling_place(reader);
     return body;
 }
 
