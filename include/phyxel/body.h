@@ -84,7 +84,7 @@ struct Fix {
     bool x = true, y = true, z = true;  ///< directions held; fewer make rollers and symmetry planes
     Vec3 axis{0, 0, 1};                 ///< of the rotation; any length but zero
     Vec3 center{};                      ///< of the rotation [m], rest space
-    std::vector<GripKey> path;          ///< empty: stays; before the first key and after the last: constant
+    std::vector<GripKey> path{};        ///< empty: stays; before the first key and after the last: constant
 };
 
 /// Force [N] and torque [N m] that a fix exerts on its body, means over the last step; torque about the rest centre of
@@ -96,10 +96,10 @@ struct Reaction {
 /// A load on the selected surface, uniform per rest area. Exactly one of the three is set.
 struct Load {
     BoxSelection box;
-    std::optional<Vec3> force;       ///< [N] total, dead
-    std::optional<Vec3> traction;    ///< [Pa] per rest area, dead
-    std::optional<double> pressure;  ///< [Pa], following the surface, along the inward current normal
-    double ramp = 0;                 ///< [s] to full load, linear
+    std::optional<Vec3> force{};       ///< [N] total, dead
+    std::optional<Vec3> traction{};    ///< [Pa] per rest area, dead
+    std::optional<double> pressure{};  ///< [Pa], following the surface, along the inward current normal
+    double ramp = 0;                   ///< [s] to full load, linear
 };
 
 /// Half space behind a plane; `normal` points to where bodies may be.

@@ -29,7 +29,7 @@ struct WorldSettings {
     double stiffness_damping =
         0;            ///< Rayleigh beta [s], on the rate of strain; raising it quiets vibration, shortens steps
     int threads = 0;  ///< 0: all of the machine's; results do not depend on it
-    ParallelFor parallel_for;  ///< the caller's own task system; empty: a pool of `threads`
+    ParallelFor parallel_for{};  ///< the caller's own task system; empty: a pool of `threads`
 };
 
 /// Energies of all bodies [J]. Dissipated and external amounts are totals since the start.
