@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "bench/benches.h"
+#include "geometry/thickness.h"
+#include "geometry/winding_number.h"
+#include "phyxel/error.h"
+#include "phyxel/phyxel.h"
+#include "solver/integrators.h"
+#include "solver/step.h"
+
+namespace phyxel::bench {
+namespace {
+
+/// Stages in their order. Those that begin with a blank are parts of the one before.
+constexpr std::array stages = {
+    "read",     "check",       "spacing search", "sampling", " clipping",     " components",     "thickness",
+    "stencils", " correction", "filter",         "surface",  "step estimate", "contact samples", "first step",
+};
+constexpr std::size_t stage_count = stages.size();
+
+/// What a child process sends back; plain bytes.
+struct Measurement {
+    std::size_t nodes = 0, pairs = 0;
+    double seconds = 0;     ///< from the mesh file to the end of the first step
+    double peak_bytes = 0;  ///< resident, above what the process held at its start
+    double stage[stage_count] = {};
+    char error[256] = {};
+};
+
+BodySettings settings_for(std::size_t nodes) {
+    BodySettings settings;
+    settings.count = nodes;
+    settings.material = neo_hookean({.density = 1000, .youngs_modulus = 2e4, .poissons_ratio = 0.45});
+    return settings;
+}
+
+TriangleMesh read(const std::string& file) { return file.empty() ? make_sphere(1) : read_mesh(file); }
+
+double peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// As a user does it: mesh, world, body, one substep.
+void measure_whole(const std::string& file, std::size_t nodes, int threads, Measurement& m) {
+    const double before = peak_bytes();
+    const Clock::time_point start = Clock::now();
+    const TriangleMesh mesh = read(file);
+    World world({.time_step = 1e-9, .gravity = {0, -9.81, 0}, .threads = threads});
+    const BodyId body = world.add_body(mesh, settings_for(nodes));
+    world.add_collider(Plane{.point = {0, -1e3, 0}});
+    world.step();
+    m.seconds = seconds_since(start);
+    m.peak_bytes = peak_bytes() - before;
+    m.nodes = world.rest_positions(body).size();
+}
+
+/// Stage by stage, by hand: what `World::add_body` calls.
+void measure_stages(const std::string& file, std::size_t nodes, int thread_count, Measurement& m) {
+    std::size_t stage = 0;
+    const auto timed = [&](auto&& work) {
+        const Clock::time_point start = Clock::now();
+        auto result = work();
+        m.stage[stage++] = seconds_since(start);
+        return result;
+    };
+    const Threads threads(thread_count);
+    const Surroundings around{{0, -9.81, 0}, 0, 0, {}};
+    const BodySettings settings = settings_for(nodes);
+    const TriangleMesh mesh = timed([&] { return read(file); });
+    const CheckedMesh checked = timed([&] { return check_and_repair(mesh); });
+    const double spacing = timed([&] { return spacing_for_count(checked, settings, threads); });
+    Sampling sampling = timed([&] { return sample(checked, settings, spacing, threads); });
+
+    // Parts of the sampling, once more.
+    const TriangleMesh moved = to_lattice(checked.mesh, sampling.frame);
+    std::unique_ptr<WindingNumber> winding;
+    const ClippedVolume clipped = timed([&] {
+        if (checked.closed_and_simple) return clip_closed(moved, spacing / 2, threads);
+        winding = std::make_unique<WindingNumber>(moved);
+        return clip_by_winding_number(moved, *winding, spacing / 2, threads);
+    });
+    timed([&] { return find_components(moved, clipped, winding.get(), threads).cells.size(); });
+    timed([&] { return local_thickness(checked.mesh).thinnest; });
+
+    // The model, without its filter, and without and with the correction.
+    BodySettings bare = settings;
+    bare.stabilization = 0;
+    bare.consistency_correction = false;
+    StencilReport report;
+    const double plain = shortest(1, [&] { build_model(sampling, bare, threads, report); });
+    bare.consistency_correction = true;
+    DynamicBody body;
+    body.model = timed([&] { return build_model(std::move(sampling), bare, threads, report); });
+    m.stage[stage] = m.stage[stage - 1] - plain, ++stage;
+    m.pairs = body.model.stencils.pairs();
+    body.model.filter = timed([&] { return build_filter(body.model.sampling, body.model.approximation, threads); });
+    const double a = body.model.node_length;
+    for (double mass : body.model.mass)
+        body.model.filter_share.push_back(0.2 * mass / (settings.material.density * a * a));
+    body.state.x = body.model.rest;
+    body.state.v.assign(body.model.rest.size(), Vec3{});
+    body.surface.emplace(
+        timed([&] { return EmbeddedSurface(body.model, checked.mesh, vertex_normals(checked.mesh), threads); }));
+    timed([&] { return estimate_rest_step(body, around, threads), 0; });
+    body.contact.emplace(timed([&] { return ContactSamples(body.model, checked.mesh, body.rest_step, threads); }));
+    timed([&] { return leap_frog(body, around, 0, body.rest_step, 1, threads), 0; });
+}
+
+/// Runs `work` in a process of its own, so that the peak memory of one size does not show in the next.
+template <class Work>
+Measurement in_child(Work&& work) {
+    std::array<int, 2> pipe_ends;
+    if (pipe(pipe_ends.data()) != 0) throw Error("the benchmark could not open a pipe");
+    const pid_t child = fork();
+    if (child < 0) throw Error("the benchmark could not start a process");
+    if (child == 0) {
+        Measurement m;
+        try {
+            work(m);
+        } catch (const std::exception& error) {
+            std::strncpy(m.error, error.what(), sizeof m.error - 1);
+        }
+        const bool sent = write(pipe_ends[1], &m, sizeof m) == sizeof m;
+        _exit(sent ? 0 : 1);
+    }
+    close(pipe_ends[1]);
+    Measurement m;
+    const bool received = ::read(pipe_ends[0], &m, sizeof m) == sizeof m;
+    close(pipe_ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (!received) throw Error("the process that was measured died, for want of memory most likely");
+    if (m.error[0] != 0) throw Error(m.error);
+    return m;
+}
+
+std::string default_mesh() {
+    const std::string bunny = "scenes/meshes/bunny.obj";
+    return access(bunny.c_str(), R_OK) == 0 ? bunny : std::string{};
+}
+
+void print_json(const std::string& mesh, std::size_t triangles, const std::vector<Measurement>& rows) {
+    nlohmann::ordered_json json;
+    json["setup"] = {{"mesh", mesh}, {"triangles", triangles}};
+    for (const Measurement& m : rows) {
+        nlohmann::ordered_json entry = {{"nodes", m.nodes},
+                                        {"seconds", m.seconds},
+                                        {"peak_bytes", m.peak_bytes},
+                                        {"peak_bytes_per_node", m.peak_bytes / static_cast<double>(m.nodes)}};
+        for (std::size_t s = 0; s < stage_count; ++s) entry["stages"][stages[s] + (stages[s][0] == ' ')] = m.stage[s];
+        json["setup"]["rows"].push_back(entry);
+    }
+    fmt::print("{}\n", json.dump(2));
+}
+
+void print_table(const std::string& mesh, std::size_t triangles, const std::vector<Measurement>& rows) {
+    fmt::print("From {} ({} triangles) to the first step\n\n", mesh, triangles);
+    const auto line = [&](const std::string& title, auto&& value) {
+        fmt::print("{:<22}", title);
+        for (const Measurement& m : rows) fmt::print(" {:>12}", value(m));
+        fmt::print("\n");
+    };
+    line("nodes", [](const Measurement& m) { return fmt::format("{}", m.nodes); });
+    line("pairs a node", [](const Measurement& m) {
+        return fmt::format("{:.0f}", static_cast<double>(m.pairs) / static_cast<double>(m.nodes));
+    });
+    line("all [s]", [](const Measurement& m) { return fmt::format("{:.3f}", m.seconds); });
+    line("a node [us]",
+         [](const Measurement& m) { return fmt::format("{:.1f}", 1e6 * m.seconds / static_cast<double>(m.nodes)); });
+    line("peak memory [MB]", [](const Measurement& m) { return fmt::format("{:.1f}", m.peak_bytes / 1e6); });
+    line("a node [kB]",
+         [](const Measurement& m) { return fmt::format("{:.1f}", m.peak_bytes / 1e3 / static_cast<double>(m.nodes)); });
+    fmt::print("\nstages [s], measured one by one\n");
+    for (std::size_t s = 0; s < stage_count; ++s)
+        line(fmt::format("  {}", stages[s]), [&](const Measurement& m) { return fmt::format("{:.3f}", m.stage[s]); });
+}
+
+}  // namespace
+
+int run_setup(const Options& options) {
+    const std::string file = options.mesh.empty() ? default_mesh() : options.mesh;
+    std::vector<std::size_t> sizes = {2000, 20000};
+    if (options.large) sizes.push_back(200000);
+    if (options.nodes > 0) sizes = {options.nodes};
+    std::vector<Measurement> rows;
+    for (const std::size_t nodes : sizes) {
+        Measurement m = in_child([&](Measurement& out) { measure_whole(file, nodes, options.threads, out); });
+        const Measurement parts =
+            in_child([&](Measurement& out) { measure_stages(file, nodes, options.threads, out); });
+        std::copy(std::begin(parts.stage), std::end(parts.stage), m.stage);
+        m.pairs = parts.pairs;
+        rows.push_back(m);
+    }
+    const std::size_t triangles = read(file).triangles.size();
+    const std::string name = file.empty() ? "a sphere" : file;
+    if (options.as_json) print_json(name, triangles, rows);
+    else print_table(name, triangles, rows);
+    return 0;
+}
+
+}  // namespace phyxel::bench

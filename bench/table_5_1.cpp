@@ -1,0 +1,149 @@
+#include "bench/table_5_1.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "bench/benches.h"
+#include "reference/thesis_2008.h"
+#include "solver/integrators.h"
+#include "solver/step.h"
+
+namespace phyxel::bench {
+namespace {
+
+constexpr double spacing = 0.1;  // [m]
+constexpr int repetitions = 7;
+constexpr double seconds_a_repetition = 0.03;
+constexpr Vec3 gravity = {0, -9.81, 0};
+
+Material rubber() { return saint_venant_kirchhoff({.density = 1000, .youngs_modulus = 1e5, .poissons_ratio = 0.3}); }
+
+struct Row {
+    std::size_t nodes = 0, pairs = 0;
+    double mean_neighbors = 0;
+    double thesis_per_second = 0, ours_per_second = 0;
+    double reference_per_second = 0;  ///< of the literal code; 0: not asked for
+
+    double ratio() const { return ours_per_second / thesis_per_second; }
+    double step_seconds() const { return 1 / ours_per_second; }
+};
+
+/// The thesis' method on whole cells: nodal gradients, poly6, Saint Venant-Kirchhoff, nothing added.
+DynamicBody make_body(const TableBody& row, const Surroundings& around, const Threads& threads) {
+    BodySettings settings;
+    settings.spacing = spacing;
+    settings.quadrature = Quadrature::nodes;
+    settings.kernel = {.shape = KernelShape::poly6, .support = support(row, spacing) / spacing};
+    settings.material = rubber();
+    settings.consistency_correction = false;
+    settings.stabilization = 0;
+    const std::array<int, 3> counts = {int(row.nodes[0]), int(row.nodes[1]), int(row.nodes[2])};
+    DynamicBody body;
+    StencilReport report;
+    body.model = build_model(whole_cells(counts, spacing), settings, threads, report);
+    body.state.x = body.model.rest;
+    body.state.v.assign(body.model.rest.size(), Vec3{});
+    estimate_rest_step(body, around, threads);
+    return body;
+}
+
+/// Leap-frog steps a second, internal forces and gravity included.
+double steps_per_second(const TableBody& row, std::size_t& pairs) {
+    const Threads threads(1);
+    const Surroundings around{gravity, 0, 0, {}};
+    DynamicBody body = make_body(row, around, threads);
+    pairs = body.model.stencils.pairs();
+    const auto run = [&](std::size_t steps) { leap_frog(body, around, 0, body.rest_step, steps, threads); };
+    const double one = shortest(3, [&] { run(8); }) / 8;
+    const std::size_t steps = std::max<std::size_t>(8, static_cast<std::size_t>(seconds_a_repetition / one));
+    return static_cast<double>(steps) / shortest(repetitions, [&] { run(steps); });
+}
+
+/// The same for the listing, line by line.
+double reference_per_second(const TableBody& row) {
+    reference::Body body;
+    body.X = positions(row, spacing);
+    body.volume.assign(body.X.size(), spacing * spacing * spacing);
+    body.mass.assign(body.X.size(), rubber().density * spacing * spacing * spacing);
+    body.support = support(row, spacing);
+    const Lame lame = material_point(rubber()).lame;
+    body.lambda = lame.lambda;
+    body.mu = lame.mu;
+    body.gravity = gravity;
+    const std::vector<Vec3> zero(body.X.size());
+    reference::State state = reference::start(body, zero, zero, 1e-4);
+    return 1 / shortest(2, [&] { reference::leap_frog_step(body, state, 1e-4); });
+}
+
+/// Least squares t = fixed + per_pair pairs.
+struct LinearFit {
+    double fixed = 0, per_pair = 0, r_squared = 0;
+};
+
+LinearFit fit_time_to_pairs(const std::vector<Row>& rows) {
+    const auto mean = [&](auto&& value) {
+        double sum = 0;
+        for (const Row& row : rows) sum += value(row);
+        return sum / static_cast<double>(rows.size());
+    };
+    const auto pairs = [](const Row& row) { return static_cast<double>(row.pairs); };
+    const double x = mean(pairs), t = mean([](const Row&row) { return row.step_seconds(); });
+    const double xx = mean([&](const Row& row) { return (pairs(row) - x) * (pairs(row) - x); });
+    const double xt = mean([&](const Row& row) { return (pairs(row) - x) * (row.step_seconds() - t); });
+    const double tt = mean([&](const Row& row) { return (row.step_seconds() - t) * (row.step_seconds() - t); });
+    return {t - xt / xx * x, xt / xx, xt * xt / (xx * tt)};
+}
+
+void print_json(const std::vector<Row>& rows, const LinearFit& fit) {
+    nlohmann::ordered_json json;
+    for (const Row& row : rows) {
+        nlohmann::ordered_json entry = {{"nodes", row.nodes},
+                                        {"mean_neighbors", row.mean_neighbors},
+                                        {"thesis_frames_per_second", row.thesis_per_second},
+                                        {"steps_per_second", row.ours_per_second},
+                                        {"ratio", row.ratio()}};
+        if (row.reference_per_second > 0) entry["reference_steps_per_second"] = row.reference_per_second;
+        json["table-5.1"]["rows"].push_back(entry);
+    }
+    json["table-5.1"]["seconds_per_step"] = {
+        {"fixed", fit.fixed}, {"per_pair", fit.per_pair}, {"r_squared", fit.r_squared}};
+    fmt::print("{}\n", json.dump(2));
+}
+
+void print_table(const std::vector<Row>& rows, const LinearFit& fit) {
+    const bool reference = rows.front().reference_per_second > 0;
+    fmt::print("Table 5.1 of the 2008 thesis: leap-frog steps a second, double precision, one thread\n\n");
+    fmt::print("{:>6} {:>10} {:>9} {:>10} {:>10} {:>7}{}\n", "nodes", "neighbours", "pairs", "thesis/s", "phyxel/s",
+               "ratio", reference ? "  listing/s" : "");
+    for (const Row& row : rows) {
+        fmt::print("{:>6} {:>10.1f} {:>9} {:>10.1f} {:>10.0f} {:>7.0f}", row.nodes, row.mean_neighbors, row.pairs,
+                   row.thesis_per_second, row.ours_per_second, row.ratio());
+        if (reference) fmt::print(" {:>10.2f}", row.reference_per_second);
+        fmt::print("\n");
+    }
+    fmt::print("\ntime a step = {:.2f} us + {:.2f} ns a node pair, R^2 = {:.4f}\n", fit.fixed * 1e6, fit.per_pair * 1e9,
+               fit.r_squared);
+}
+
+}  // namespace
+
+int run_table_5_1(const Options& options) {
+    std::vector<Row> rows;
+    for (const TableBody& body : table_5_1) {
+        Row row;
+        row.nodes = node_count(body);
+        row.thesis_per_second = body.thesis_frames_per_second;
+        row.ours_per_second = steps_per_second(body, row.pairs);
+        row.mean_neighbors = static_cast<double>(row.pairs) / static_cast<double>(row.nodes);
+        if (options.reference) row.reference_per_second = reference_per_second(body);
+        rows.push_back(row);
+    }
+    const LinearFit fit = fit_time_to_pairs(rows);
+    if (options.as_json) print_json(rows, fit);
+    else print_table(rows, fit);
+    return 0;
+}
+
+}  // namespace phyxel::bench
