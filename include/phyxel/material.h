@@ -14,13 +14,14 @@ enum class Law {
 };
 
 /// What a material may have: far more than any real one, and still within what double precision can work with.
-inline constexpr double smallest_density = 1e-6, largest_density = 1e9;      ///< [kg/m^3]
-inline constexpr double smallest_modulus = 1e-6, largest_modulus = 1e15;     ///< [Pa]
+inline constexpr double smallest_density = 1e-6, largest_density = 1e9;   ///< [kg/m^3]
+inline constexpr double smallest_modulus = 1e-6, largest_modulus = 1e15;  ///< [Pa]
 
 /// An isotropic elastic material.
 struct Material {
-    double density = 0;         ///< rest density [kg/m^3], 1e-6 to 1e9; raising it makes the body heavier and slower
-    double youngs_modulus = 0;  ///< stiffness [Pa], 1e-6 to 1e15; raising it makes the body stiffer and explicit steps shorter
+    double density = 0;  ///< rest density [kg/m^3], 1e-6 to 1e9; raising it makes the body heavier and slower
+    double youngs_modulus =
+        0;  ///< stiffness [Pa], 1e-6 to 1e15; raising it makes the body stiffer and explicit steps shorter
     double poissons_ratio = 0;  ///< -1 < nu < 0.5; raising it makes the body keep its volume
     Law law = Law::neo_hookean;
     double volume_stiffness =

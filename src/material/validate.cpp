@@ -18,10 +18,11 @@ namespace {
 }  // namespace
 
 void validate(const Material& m) {
-    const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-    if (!positive(m.density)) refuse("density", m.density, "a positive number of kg/m^3 (water has 1000)");
-    if (!positive(m.youngs_modulus))
-        refuse("youngs_modulus", m.youngs_modulus, "a positive number of Pa (jelly has 2e4, steel 2.1e11)");
+    if (!(m.density >= smallest_density && m.density <= largest_density))
+        refuse("density", m.density, "a positive number of kg/m^3, 1e-6 to 1e9 (water has 1000)");
+    if (!(m.youngs_modulus >= smallest_modulus && m.youngs_modulus <= largest_modulus))
+        refuse("youngs_modulus", m.youngs_modulus,
+               "a positive number of Pa, 1e-6 to 1e15 (jelly has 2e4, steel 2.1e11)");
     if (!(m.poissons_ratio > -1 && m.poissons_ratio < 0.5))
         refuse("poissons_ratio", m.poissons_ratio,
                "above -1 and below 0.5; use 0.45 to 0.49 for a material that keeps its volume");

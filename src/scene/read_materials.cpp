@@ -38,11 +38,10 @@ SceneMaterial read_material(const TableReader& reader, Names& names) {
         const std::optional<double> value = reader.number(key, range);
         return preset ? value.value_or(fallback) : reader.require(value, key, example);
     };
-    const Range positive{.lower = 0, .upper = largest, .open_lower = true};
-    Range density = positive, modulus = positive;
-    density.unit = "kg/m^3", modulus.unit = "Pa";
-    material.density = number("density", density, material.density, "1000 [kg/m^3], or a preset");
-    material.youngs_modulus = number("youngs_modulus", modulus, material.youngs_modulus, "2e4 [Pa], or a preset");
+    material.density = number("density", between(smallest_density, largest_density, "kg/m^3"), material.density,
+                              "1000 [kg/m^3], or a preset");
+    material.youngs_modulus = number("youngs_modulus", between(smallest_modulus, largest_modulus, "Pa"),
+                                     material.youngs_modulus, "2e4 [Pa], or a preset");
     material.poissons_ratio =
         number("poissons_ratio", {.lower = -1, .upper = 0.5, .open_lower = true, .open_upper = true},
                material.poissons_ratio, "0.45, or a preset");

@@ -16,6 +16,14 @@ void include(Vec3& lower, Vec3& upper, const Vec3& point) {
     }
 }
 
+/// The value that 99 % of a field stay below: a single vertex must not take the colours from all others.
+double high_value(std::vector<float> values) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return static_cast<double>(*at);
+}
+
 /// A camera that sees all bodies where they start, and the floor below them.
 Camera default_camera(const Scene& scene, const BuiltScene& built) {
     Vec3 lower{1e300, 1e300, 1e300}, upper = -lower;
@@ -74,7 +82,7 @@ Picture ScenePainting::draw() {
     for (std::size_t i = 0; i < built_->bodies.size(); ++i) {
         const Surface& surface = built_->world.surface(built_->bodies[i]);
         fields[i] = field(i);
-        for (const float value : fields[i]) largest_ = std::max(largest_, static_cast<double>(value));
+        largest_ = std::max(largest_, high_value(fields[i]));
         picture.meshes.push_back(
             {surface.positions(), surface.normals(), surface.triangles(), palette[i % std::size(palette)], fields[i]});
     }

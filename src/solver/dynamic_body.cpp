@@ -14,7 +14,7 @@ double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threa
 
 }  // namespace
 
-void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, double dt, const Threads& threads) {
+void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, const Threads& threads) {
     const std::size_t n = b.model.rest.size();
     b.force.resize(n);
     b.viscous_power =
@@ -25,12 +25,9 @@ void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, do
         for (const SurfaceLoad& load : b.loads) load.add(time, b.state.x, b.load_force);
         threads.for_each(n, chunk, [&](std::size_t i) { b.force[i] += b.load_force[i]; });
     }
-    b.touching = 0;
-    if (b.contact && !around.colliders.empty()) {
-        b.friction_force.assign(n, {});
-        b.touching =
-            b.contact->add_forces(around.colliders, b.state.x, b.state.v, dt, threads, b.force, b.friction_force);
-    }
+    b.touches.clear();
+    if (b.contact && !around.colliders.empty())
+        b.touches = b.contact->add_forces(around.colliders, b.state.x, threads, b.force);
 }
 
 void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_length, double time,
@@ -43,6 +40,10 @@ void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_le
     threads.for_each(n, chunk, [&](std::size_t i) {
         b.state.v[i] = keep * b.previous[i] + length * b.model.inverse_mass[i] * b.force[i];
     });
+    if (!b.touches.empty()) {
+        b.friction_impulse.assign(n, {});
+        b.contact->add_friction(around.colliders, b.touches, dt, b.state.v, b.friction_impulse);
+    }
     if (!b.constraints.empty()) {
         b.impulse.assign(n, {});
         b.constraints.project(time, drift_length, b.state.x, b.state.v, b.impulse);
@@ -51,7 +52,7 @@ void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_le
 
     // An impulse j changes the kinetic energy by j (v + v')/2.
     if (!b.loads.empty()) b.exchanged.external += dt * work_of(b.load_force, b, threads);
-    if (b.touching > 0) b.exchanged.friction -= dt * work_of(b.friction_force, b, threads);
+    if (!b.touches.empty()) b.exchanged.friction -= work_of(b.friction_impulse, b, threads);
     b.exchanged.damping += dt * b.viscous_power;
     if (alpha > 0)
         b.exchanged.damping += threads.sum(n, chunk, [&](std::size_t i) {

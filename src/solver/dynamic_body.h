@@ -36,24 +36,24 @@ struct DynamicBody {
     std::optional<ContactSamples> contact;
     Exchanged exchanged;
     LargestFrequency frequency;
-    double rest_step = 0;      ///< [s] stable step of the body at rest
-    double step_limit = 0;     ///< [s] stable step of the body as it is now
-    std::size_t touching = 0;  ///< contact samples inside of an obstacle
+    double rest_step = 0;   ///< [s] stable step of the body at rest
+    double step_limit = 0;  ///< [s] stable step of the body as it is now
 
     // Work arrays [nodes].
     ForceWorkspace work;
-    std::vector<Vec3> force;                       ///< all forces but the constraints' [N]
-    std::vector<Vec3> load_force, friction_force;  ///< two of their parts [N]
-    std::vector<Vec3> impulse, previous;           ///< of the constraints [N s]; velocity before a kick [m/s]
-    double viscous_power = 0;                      ///< [W]
+    std::vector<Vec3> force;                      ///< all forces but the constraints' [N]
+    std::vector<Vec3> load_force;                 ///< the loads' part of them [N]
+    std::vector<ContactSamples::Touch> touches;   ///< samples inside of an obstacle
+    std::vector<Vec3> impulse, friction_impulse;  ///< of the constraints and of friction [N s]
+    std::vector<Vec3> previous;                   ///< velocity before a kick [m/s]
+    double viscous_power = 0;                     ///< [W]
 };
 
-/// Evaluates the forces at the body's positions and velocities; `dt` is the length of the coming kick, which limits
-/// friction.
-void evaluate_forces(DynamicBody& body, const Surroundings& around, double time, double dt, const Threads& threads);
+/// Evaluates the forces at the body's positions and velocities.
+void evaluate_forces(DynamicBody& body, const Surroundings& around, double time, const Threads& threads);
 
-/// v += dt f/m with exact mass damping exp(-alpha dt), then the fixes: `drift` is how far positions will go with the
-/// new velocity, up to `time`; 0 when they stay. Books the work done.
+/// v += dt f/m with exact mass damping exp(-alpha dt), then friction, then the fixes: `drift` is how far positions will
+/// go with the new velocity, up to `time`; 0 when they stay. Books the work done.
 void kick(DynamicBody& body, const Surroundings& around, double dt, double drift, double time, const Threads& threads);
 
 /// x += dt v.

@@ -4,12 +4,12 @@ namespace phyxel {
 
 void leap_frog(DynamicBody& body, const Surroundings& around, double start, double dt, std::size_t count,
                const Threads& threads) {
-    evaluate_forces(body, around, start, dt / 2, threads);
+    evaluate_forces(body, around, start, threads);
     kick(body, around, dt / 2, dt, start + dt, threads);
     for (std::size_t k = 1; k <= count; ++k) {
         const double time = start + static_cast<double>(k) * dt;
         drift(body, dt, threads);
-        evaluate_forces(body, around, time, dt, threads);
+        evaluate_forces(body, around, time, threads);
         if (k < count) kick(body, around, dt, dt, time + dt, threads);
         else kick(body, around, dt / 2, 0, time, threads);
     }

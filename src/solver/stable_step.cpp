@@ -35,6 +35,7 @@ double LargestFrequency::estimate(const Model& m, std::span<const Vec3> x, int i
     for (int k = 0; k < iterations; ++k) {
         const double size =
             std::sqrt(threads.sum(n, chunk, [&](std::size_t i) { return m.mass[i] * norm_squared(mode_[i]); }));
+        if (!(size > 0) || !std::isfinite(size)) return size;  // no stiffness at all, or no longer numbers
         threads.for_each(n, chunk, [&](std::size_t i) { mode_[i] /= size; });
         stiffness_action(m, x, mode_, work, threads, image_);
         // |M^-1 K d| in the metric of the masses: closer than the Rayleigh quotient, and right where K is indefinite.

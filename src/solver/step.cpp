@@ -138,7 +138,7 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
         }
         if (trouble.empty()) {
             report.advanced = duration;
-            for (const auto& b : bodies) report.contacts += b->touching;
+            for (const auto& b : bodies) report.contacts += b->touches.size();
             return report;
         }
         restore(bodies, before);

@@ -128,6 +128,16 @@ TriangleMesh placed(const TriangleMesh& mesh, const BodySettings& settings) {
     return result;
 }
 
+void find_rest_step(DynamicBody& body, const World::Parts& parts) {
+    estimate_rest_step(body, parts.around, parts.threads);
+    constexpr double most_substeps = 1e7;
+    if (body.rest_step * most_substeps > parts.settings.time_step) return;
+    throw Error("explicit steps of this body may be no longer than " + format_number(body.rest_step) +
+                " s, more than " + format_number(most_substeps) + " for a time step of " +
+                format_number(parts.settings.time_step) +
+                " s. Lower youngs_modulus or the stiffness damping, or raise density or spacing");
+}
+
 std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySettings& settings, World::Parts& parts,
                                        MeshReport& mesh_report) {
     validate(settings);
@@ -141,7 +151,8 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     const double spacing =
         settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
     Sampling sampling = sample(checked, settings, spacing, parts.threads);
-    // Where the surface crosses itself or is open, the region of winding number above 1/2 is known as well as it was sampled.
+    // Where the surface crosses itself or is open, the region of winding number above 1/2 is known as well as it was
+    // sampled.
     if (!checked.closed_and_simple) mesh_report.volume = sampling.clipped_volume;
     warn_of_thin_parts(checked.mesh, spacing, parts);
 
@@ -153,7 +164,7 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     body->state.v.assign(body->model.rest.size(), settings.velocity);
     make_surface(*body, placed_mesh, checked, parts.threads);
     body->mesh = std::move(checked.mesh);
-    estimate_rest_step(*body, parts.around, parts.threads);
+    find_rest_step(*body, parts);
     body->contact.emplace(body->model, body->mesh, body->rest_step, parts.threads);
     return body;
 }

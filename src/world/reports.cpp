@@ -84,11 +84,28 @@ PointFields World::point_fields(BodyId id) const {
 
 std::vector<float> World::surface_von_mises(BodyId id) const {
     const DynamicBody& body = parts_->body(id);
+    const Model& m = body.model;
+    // Averages over the points of each node's cells, carried to the vertices by the shape functions: the gradient at
+    // the surface itself is the least accurate there is.
+    std::vector<double> weighted(m.rest.size()), volume(m.rest.size());
+    const std::vector<Mat3> F = deformation_gradients(m, body.state.x, parts_->threads);
+    for (std::size_t q = 0; q < F.size(); ++q) {
+        const double value = von_mises(cauchy_stress(F[q], stress(m.material, F[q])));
+        for (std::uint32_t node : m.sampling.cell_nodes[m.sampling.point_cell[q]]) {
+            if (node == no_index) continue;
+            weighted[node] += m.volumes[q] * value;
+            volume[node] += m.volumes[q];
+        }
+    }
     const EmbeddedPoints& points = body.surface->points();
     std::vector<float> values(points.size());
     parts_->threads.for_each(values.size(), 256, [&](std::size_t v) {
-        const Mat3 F = points.deformation_gradient(v, body.state.x);
-        values[v] = static_cast<float>(von_mises(cauchy_stress(F, stress(body.model.material, F))));
+        double sum = 0;
+        for (std::uint32_t k = points.offset[v]; k < points.offset[v + 1]; ++k) {
+            const std::uint32_t node = points.node[k];
+            if (volume[node] > 0) sum += points.phi[k] * weighted[node] / volume[node];
+        }
+        values[v] = static_cast<float>(std::max(0.0, sum));
     });
     return values;
 }

@@ -196,7 +196,7 @@ void World::set_material(BodyId id, const Material& material) {
     const double before = body_energy(body, p.around, p.threads).total();
     phyxel::set_material(body.model, material);
     body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
-    estimate_rest_step(body, p.around, p.threads);
+    find_rest_step(body, p);
     body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
 }
 
