@@ -12,19 +12,34 @@ namespace phyxel {
 /// Points of a body's surface that meet obstacles: the mesh's vertices, and, where triangles are larger than half a
 /// spacing, points on their edges and inside of them.
 ///
-/// Each sample inside an obstacle stores k/2 d^2, d its signed distance, and is slowed by Coulomb friction,
-/// -mu f_n v_t / max(|v_t|, eps_v). (A contact that began at a distance would throw up a body placed exactly on a
-/// floor.) The stiffness is as large as explicit steps allow, k_s = beta / (dt^2 w_s), where w_s >= the inverse mass
-/// that the sample and all others on the same nodes see together (row bound of C^T M^-1 C), beta = 0.5 and dt the
-/// body's stable step at rest, so that the energy is one and the same for the whole run.
+/// Each sample inside an obstacle stores k/2 d^2, d its signed distance. (A contact that began at a distance would
+/// throw up a body placed exactly on a floor.) The stiffness is as large as explicit steps allow, k_s = beta / (dt^2
+/// w_s), where w_s >= the inverse mass that the sample and all others on the same nodes see together (row bound of C^T
+/// M^-1 C), beta = 0.5 and dt the body's stable step at rest, so that the energy is one and the same for the whole run.
+///
+/// Coulomb friction acts on the velocities that all other forces lead to: an impulse at each touching sample,
+/// tangential and at most mu f_n dt, that stops its slip or opposes it. (A force -mu f_n v_t / max(|v_t|, eps_v) of the
+/// old velocities cannot hold a body: stable steps limit it to what stops the lowest layer of nodes alone, and a block
+/// of two layers on a slope below the friction angle crept at 4 cm/s.)
 class ContactSamples {
 public:
     ContactSamples(const Model& model, const TriangleMesh& mesh, double stable_step, const Threads& threads);
 
-    /// Adds contact and friction forces of all obstacles to `f`, and the friction forces alone to `friction`; returns
-    /// the number of samples that touch. `dt` is the length of the coming step, which limits friction.
-    std::size_t add_forces(std::span<const Collider> colliders, std::span<const Vec3> x, std::span<const Vec3> v,
-                           double dt, const Threads& threads, std::span<Vec3> f, std::span<Vec3> friction) const;
+    /// A sample inside of an obstacle.
+    struct Touch {
+        std::uint32_t sample, collider;
+        double depth;  ///< -d > 0 [m]
+        double push;   ///< normal force f_n [N]
+        Vec3 normal;
+    };
+
+    /// Adds the contact forces of all obstacles, friction not among them, to `f`; returns the samples that touch.
+    std::vector<Touch> add_forces(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads,
+                                  std::span<Vec3> f) const;
+
+    /// Changes `v` by the friction of `touches` during `dt` [s], and adds its impulses [N s] to `impulse` [nodes].
+    void add_friction(std::span<const Collider> colliders, std::span<const Touch> touches, double dt, std::span<Vec3> v,
+                      std::span<Vec3> impulse) const;
 
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
     double deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
@@ -33,17 +48,21 @@ public:
     double energy(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
 
 private:
-    struct Touch {
-        std::uint32_t sample, collider;
-        double depth;  ///< -d > 0 [m]
-        Vec3 normal;
-    };
     std::vector<Touch> touches(std::span<const Collider> colliders, std::span<const Vec3> x,
                                const Threads& threads) const;
 
-    EmbeddedPoints samples_;
-    std::vector<double> inverse_mass_;  ///< [samples] w_s [1/kg]
-    double step_squared_ = 0;           ///< dt^2 of the stiffness [s^2]
+    /// Samples that lie together, and the nodes that carry them: out of reach when the nodes are.
+    struct Group {
+        std::uint32_t begin, end;  ///< samples
+        std::vector<std::uint32_t> nodes;
+    };
+
+    EmbeddedPoints samples_;  ///< in the order of the groups
+    std::vector<Group> groups_;
+    std::vector<double> inverse_mass_;       ///< [samples] w_s [1/kg]
+    std::vector<double> own_inverse_mass_;   ///< [samples] sum phi^2/m, that of the sample alone [1/kg]
+    std::vector<double> node_inverse_mass_;  ///< [nodes] [1/kg]
+    double step_squared_ = 0;                ///< dt^2 of the stiffness [s^2]
 };
 
 }  // namespace phyxel
