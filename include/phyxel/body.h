@@ -32,7 +32,7 @@ enum class KernelShape { quartic_spline, poly6, cubic_spline, wendland };
 
 /// Weight of a node at a quadrature point.
 struct Kernel {
-    KernelShape shape = KernelShape::quartic_spline;
+    std::optional<KernelShape> shape{};  ///< nothing: quartic spline with grid quadrature, poly6 with nodes
     double support = 0;  ///< support radius in spacings, 1.2 to 8; 0: 2.2 with grid quadrature, 1.8 with nodes
     int neighbors = 0;   ///< > 0: support from the mean distance of that many nearest nodes, times `dilation`
     double dilation = 1.2;

@@ -266,6 +266,11 @@ private:
 
 }  // namespace
 
+KernelShape kernel_shape(const BodySettings& settings) {
+    return settings.kernel.shape.value_or(settings.quadrature == Quadrature::nodes ? KernelShape::poly6
+                                                                                   : KernelShape::quartic_spline);
+}
+
 double support_radius(const BodySettings& settings, double spacing) {
     const bool bcc = settings.lattice == Lattice::bcc;
     if (settings.kernel.neighbors > 0) {

@@ -53,6 +53,10 @@ struct ApproximationSettings {
     bool consistency_correction = true;
 };
 
+/// The kernel of a body from its settings: the thesis' poly6 for points at nodes, the quartic spline of paper B for a
+/// grid, unless another is asked for.
+KernelShape kernel_shape(const BodySettings& settings);
+
 /// Support radius [m] of a body from its settings: the kernel's, in spacings, or the mean distance of the `neighbors`
 /// nearest nodes of the infinite lattice times `dilation`.
 double support_radius(const BodySettings& settings, double spacing);

@@ -42,7 +42,7 @@ NodalStabilization build_nodal(const Model& m) {
 Model build_model(Sampling sampling, const BodySettings& settings, const Threads& threads, StencilReport& report) {
     Model m;
     const bool grid = sampling.quadrature == Quadrature::grid;
-    m.approximation.kernel = settings.kernel.shape;
+    m.approximation.kernel = kernel_shape(settings);
     m.approximation.support = support_radius(settings, sampling.spacing);
     m.approximation.nodal_gradients = !grid;
     m.approximation.consistency_correction = settings.consistency_correction && !sampling.boundary.empty();

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "approximation/stencils.h"
 #include "scene/read_parts.h"
 
 namespace phyxel {
@@ -60,14 +61,14 @@ void read_sampling(const TableReader& body, BodySettings& settings) {
 
 void read_kernel(const TableReader& body, BodySettings& settings) {
     Kernel& kernel = settings.kernel;
-    if (settings.quadrature == Quadrature::nodes) kernel.shape = KernelShape::poly6;
+    kernel.shape = kernel_shape(settings);
     const auto reader = body.table("kernel", {"shape", "support", "neighbors", "dilation"});
     if (!reader) return;
     reader->not_both("support", "neighbors");
     reader->not_both("support", "dilation");
     if (reader->has("dilation") && !reader->has("neighbors"))
         reader->fail("dilation", "belongs to 'neighbors' only; add neighbors = 20, or use support = 2.2");
-    kernel.shape = reader->choice<KernelShape>("shape", kernel_shapes).value_or(kernel.shape);
+    kernel.shape = reader->choice<KernelShape>("shape", kernel_shapes).value_or(*kernel.shape);
     kernel.support = reader->number("support", between(1.2, 8, "spacings")).value_or(0);
     kernel.neighbors = static_cast<int>(reader->integer("neighbors", 8, 1000).value_or(0));
     kernel.dilation = reader->number("dilation", between(1.01, 4)).value_or(kernel.dilation);
