@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/format.h"
 #include "phyxel/error.h"
-#include "sampling/memory_guard.h"
 
 namespace phyxel {
 namespace {
@@ -21,10 +21,6 @@ Polygon clip_half_space(const Polygon& polygon, int axis, double plane, double s
         if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
     }
     return kept;
-}
-
-std::string format_point(const Vec3& p) {
-    return "[" + format_number(p.x) + ", " + format_number(p.y) + ", " + format_number(p.z) + "]";
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
 
+#include "base/format.h"
 #include "phyxel/error.h"
 
 namespace phyxel {
@@ -48,12 +48,6 @@ void guard_memory(const MeshReport& mesh, double pitch, double spacing, double p
                 format_number(estimate_nodes(mesh, spacing, per_cell)) + " nodes, more than memory holds (" +
                 format_number(std::floor(available / 1e6)) + " MB are free). Use a spacing of " +
                 format_number(workable) + " m or more, or sampling.count");
-}
-
-std::string format_number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
 }
 
 }  // namespace phyxel

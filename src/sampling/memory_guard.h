@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "phyxel/mesh.h"
 
 namespace phyxel {
@@ -12,8 +10,5 @@ double estimate_nodes(const MeshReport& mesh, double spacing, double per_cell);
 
 /// Throws `Error` with a workable spacing when a body would need more memory than the machine has left.
 void guard_memory(const MeshReport& mesh, double pitch, double spacing, double per_cell);
-
-/// "0.005", "1.2e-07": the shortest form that reads back as the same to six digits.
-std::string format_number(double value);
 
 }  // namespace phyxel

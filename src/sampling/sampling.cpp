@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/format.h"
 #include "geometry/winding_number.h"
 #include "phyxel/error.h"
 #include "sampling/lattice_sites.h"

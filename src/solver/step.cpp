@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sampling/memory_guard.h"
+#include "base/format.h"
 #include "solver/integrators.h"
 
 namespace phyxel {
@@ -49,9 +49,8 @@ std::string trouble_with(DynamicBody& b, const Snapshot& before, const Surroundi
     const Vec3 start = before.state.x.front();
     for (std::size_t i = 0; i < b.state.x.size(); ++i)
         if (!is_finite(b.state.x[i]) || !is_finite(b.state.v[i])) {
-            const Vec3& X = b.model.rest[i];
-            return "node " + std::to_string(i) + " at rest position [" + format_number(X.x) + ", " +
-                   format_number(X.y) + ", " + format_number(X.z) + "] left the numbers";
+            return "node " + std::to_string(i) + " at rest position " + format_point(b.model.rest[i]) +
+                   " left the numbers";
         }
     const BodyEnergy after = body_energy(b, around, threads);
     const double external = b.exchanged.external - before.exchanged.external;

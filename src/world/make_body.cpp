@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/format.h"
 #include "geometry/bvh.h"
 #include "geometry/mesh_check.h"
 #include "geometry/thickness.h"
 #include "geometry/winding_number.h"
 #include "phyxel/error.h"
-#include "sampling/memory_guard.h"
 
 namespace phyxel {
 namespace {
@@ -24,10 +24,6 @@ void check_axis(const AxisAngle& rotation, const std::string& field) {
     if (!std::isfinite(rotation.degrees)) refuse(field + ".degrees", rotation.degrees, "a finite number");
 }
 
-std::string format_place(const Vec3& p) {
-    return "[" + format_number(p.x) + ", " + format_number(p.y) + ", " + format_number(p.z) + "]";
-}
-
 void warn_of_thin_parts(const TriangleMesh& mesh, double spacing, World::Parts& parts) {
     const Thickness thickness = local_thickness(mesh);
     if (!(thickness.thinnest < 2 * spacing)) return;
@@ -36,7 +32,7 @@ void warn_of_thin_parts(const TriangleMesh& mesh, double spacing, World::Parts& 
             "a part of the body is thinner than two spacings: its bending stiffness may be off by some per cent");
     } else {
         parts.warn("a part of the body is " + format_number(thickness.thinnest) + " m thin at " +
-                   format_place(thickness.place) + ", less than one spacing: a spacing of " +
+                   format_point(thickness.place) + ", less than one spacing: a spacing of " +
                    format_number(thickness.thinnest / 2) + " m would resolve it");
     }
 }
@@ -44,7 +40,7 @@ void warn_of_thin_parts(const TriangleMesh& mesh, double spacing, World::Parts& 
 void warn_of_stencils(const StencilReport& report, World::Parts& parts) {
     if (report.deficient > 0)
         parts.warn("quadrature points whose nodes span no volume (a plate, strand or speck of the body near " +
-                       format_place(report.deficient_place) + "); a finer spacing gives it some",
+                       format_point(report.deficient_place) + "); a finer spacing gives it some",
                    report.deficient);
     if (!report.consistent)
         parts.warn("the consistency correction stopped at a patch error of " + format_number(report.consistency_after) +

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/format.h"
 #include "base/hash.h"
 #include "phyxel/error.h"
-#include "sampling/memory_guard.h"
 #include "world/make_body.h"
 #include "world/parts.h"
 
@@ -127,8 +127,7 @@ std::size_t World::add_probe(BodyId id, const Vec3& rest_point) {
     const DynamicBody& body = p.body(id);
     const auto cell = find_cell_of_point(body, rest_point);
     if (!cell)
-        throw Error("probe at [" + format_number(rest_point.x) + ", " + format_number(rest_point.y) + ", " +
-                    format_number(rest_point.z) + "] lies outside of its body. Move it inside (rest space)");
+        throw Error("probe at " + format_point(rest_point) + " lies outside of its body. Move it inside (rest space)");
     const Vec3 position = body.model.sampling.frame.to_lattice(rest_point);
     p.probes.push_back({id, rest_point,
                         embed(body.model.sampling, body.model.approximation, std::span(&position, 1),
