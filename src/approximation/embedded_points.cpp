@@ -1,5 +1,8 @@
 #include "approximation/embedded_points.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "approximation/moving_least_squares.h"
 #include "approximation/support_search.h"
 #include "base/scratch_pool.h"
@@ -8,6 +11,12 @@ namespace phyxel {
 
 EmbeddedPoints embed(const Sampling& sampling, const ApproximationSettings& settings, std::span<const Vec3> positions,
                      std::span<const std::uint32_t> cells, Gradients gradients, const Threads& threads) {
+    // Cell by cell, so that searches share their surroundings.
+    std::vector<std::uint32_t> order(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    if (!std::is_sorted(cells.begin(), cells.end()))
+        std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return cells[a] < cells[b]; });
+
     constexpr std::size_t chunk = 256;
     ScratchPool<SupportSearch> searches([&] { return std::make_unique<SupportSearch>(sampling); });
     std::vector<EmbeddedPoints> parts((positions.size() + chunk - 1) / chunk);
@@ -16,7 +25,8 @@ EmbeddedPoints embed(const Sampling& sampling, const ApproximationSettings& sett
         Support support;
         ShapeFunctions shape;
         searches.with([&](SupportSearch& search) {
-            for (std::size_t p = begin; p < end; ++p) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const std::uint32_t p = order[k];
                 find_support(search, sampling, settings.kernel, settings.support, positions[p], cells[p], support);
                 MovingLeastSquares mls(settings.kernel, support.radius);
                 if (gradients == Gradients::yes) {
@@ -31,15 +41,26 @@ EmbeddedPoints embed(const Sampling& sampling, const ApproximationSettings& sett
             }
         });
     });
+
+    // Back into the order of the points.
     EmbeddedPoints all;
-    all.offset.reserve(positions.size() + 1);
-    for (EmbeddedPoints& part : parts) {
-        const std::uint32_t base = all.offset.back();
-        for (std::size_t p = 1; p < part.offset.size(); ++p) all.offset.push_back(base + part.offset[p]);
-        all.node.insert(all.node.end(), part.node.begin(), part.node.end());
-        all.phi.insert(all.phi.end(), part.phi.begin(), part.phi.end());
-        all.gradient.insert(all.gradient.end(), part.gradient.begin(), part.gradient.end());
-        part = {};
+    all.offset.assign(positions.size() + 1, 0);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const EmbeddedPoints& part = parts[k / chunk];
+        all.offset[order[k] + 1] = part.offset[k % chunk + 1] - part.offset[k % chunk];
+    }
+    std::partial_sum(all.offset.begin(), all.offset.end(), all.offset.begin());
+    all.node.resize(all.offset.back());
+    all.phi.resize(all.offset.back());
+    if (gradients == Gradients::yes) all.gradient.resize(all.offset.back());
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        EmbeddedPoints& part = parts[k / chunk];
+        const std::uint32_t from = part.offset[k % chunk], count = part.offset[k % chunk + 1] - from;
+        const std::uint32_t to = all.offset[order[k]];
+        std::copy_n(part.node.begin() + from, count, all.node.begin() + to);
+        std::copy_n(part.phi.begin() + from, count, all.phi.begin() + to);
+        if (gradients == Gradients::yes) std::copy_n(part.gradient.begin() + from, count, all.gradient.begin() + to);
+        if ((k + 1) % chunk == 0) part = {};
     }
     return all;
 }

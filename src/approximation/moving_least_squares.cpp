@@ -11,15 +11,20 @@ namespace {
 /// Share of the trace below which a direction counts as not spanned.
 constexpr double spanned = 1e-3;
 
-/// Inverse of a symmetric matrix on the directions that carry at least `spanned` of its trace.
-Mat3 inverse_on_span(const Mat3& C, int& rank, double& smallest) {
+/// Share of the squared support below which a variance of positions is rounding: nodes at one place span nothing.
+constexpr double rounding = 1e-20;
+
+/// Inverse of a symmetric matrix on the directions that carry at least `spanned` of its trace, and more than `least`.
+Mat3 inverse_on_span(const Mat3& C, double least, int& rank) {
     const double t = trace(C);
+    rank = 3;
+    // The smallest eigenvalue is the determinant over the product of the others, which is at most (trace/2)^2.
+    if (t > 3 * least / spanned && 4 * determinant(C) > 1.01 * spanned * t * t * t) return inverse(C);
     const SymmetricEigen3 eigen = symmetric_eigen(C);
-    smallest = std::max(0.0, eigen.values.x);
     rank = 0;
     Mat3 inverse_;
     for (int k = 0; k < 3; ++k) {
-        if (!(eigen.values[k] >= spanned * t) || eigen.values[k] <= 0) continue;
+        if (!(eigen.values[k] >= spanned * t) || eigen.values[k] <= least) continue;
         ++rank;
         const Vec3 e = eigen.vectors.column(k);
         inverse_ += outer(e, e) * (1 / eigen.values[k]);
@@ -40,8 +45,7 @@ MovingLeastSquares::Fit MovingLeastSquares::fit(std::span<const Vec3> offsets, S
     f.mean /= f.total;
     Mat3 C;
     for (std::size_t i = 0; i < offsets.size(); ++i) C += outer(w_[i] * (offsets[i] - f.mean), offsets[i] - f.mean);
-    f.inverse = inverse_on_span(C, out.rank, out.variance);
-    out.variance /= f.total;
+    f.inverse = inverse_on_span(C, rounding * f.total * support_ * support_, out.rank);
     return f;
 }
 
@@ -97,15 +101,12 @@ void MovingLeastSquares::nodal_gradients(std::span<const Vec3> offsets, std::siz
     out.phi.assign(n, 0);
     out.gradient.resize(n);
     Mat3 A;
-    double total = 0;
     w_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         w_[i] = i == self ? 0 : weight(kernel_, norm(offsets[i]) / support_);
-        total += w_[i];
         A += outer(w_[i] * offsets[i], offsets[i]);
     }
-    const Mat3 A_inverse = inverse_on_span(A, out.rank, out.variance);
-    out.variance = total > 0 ? out.variance / total : 0;
+    const Mat3 A_inverse = inverse_on_span(A, 0, out.rank);
     Vec3 sum{};
     for (std::size_t i = 0; i < n; ++i) {
         out.gradient[i] = A_inverse * (w_[i] * offsets[i]);

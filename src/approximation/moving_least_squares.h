@@ -12,7 +12,6 @@ struct ShapeFunctions {
     std::vector<double> phi;     ///< [nodes] sum phi = 1, sum phi X = point
     std::vector<Vec3> gradient;  ///< [nodes] [1/m] sum g = 0, sum X (x) g = I
     int rank = 0;                ///< dimensions that the nodes span: 3, or less for a plate, a strand, a lump
-    double variance = 0;  ///< smallest weighted variance of the node positions [m^2]: below 1e-2 a^2 a fit is poor
 };
 
 /// Moving least squares with a linear basis at the origin; `offsets` are node positions relative to the point.

@@ -1,6 +1,8 @@
 #include "approximation/support_search.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "approximation/kernel.h"
 #include "base/eigen3.h"
@@ -8,8 +10,33 @@
 namespace phyxel {
 namespace {
 
-/// Smallest variance of node positions under the kernel's weights [m^2].
-double smallest_variance(std::span<const Vec3> offsets, KernelShape kernel, double radius) {
+/// How far cells are walked, in support radii.
+constexpr double walk = 1.25;
+/// Half the diagonal of a box, and a little: how far points of a cell are from its centre, in pitches.
+constexpr double half_diagonal = 0.9;
+
+std::uint32_t nearest_node(const Sampling& sampling, const Vec3& position) {
+    std::uint32_t best = 0;
+    for (std::uint32_t n = 1; n < sampling.nodes.size(); ++n)
+        if (norm_squared(sampling.nodes[n] - position) < norm_squared(sampling.nodes[best] - position)) best = n;
+    return best;
+}
+
+template <class Word, class Visit>
+void for_each_bit(const std::vector<Word>& words, Visit&& visit) {
+    for (std::size_t w = 0; w < words.size(); ++w)
+        for (Word rest = words[w]; rest; rest &= rest - 1)
+            visit(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
+}
+
+template <class Word>
+void set_bit(std::vector<Word>& words, std::size_t bit) {
+    words[bit / 64] |= Word{1} << bit % 64;
+}
+
+}  // namespace
+
+bool varies_more_than(double least, std::span<const Vec3> offsets, KernelShape kernel, double radius) {
     double total = 0;
     Vec3 mean{};
     Mat3 second;
@@ -20,43 +47,103 @@ double smallest_variance(std::span<const Vec3> offsets, KernelShape kernel, doub
         second += outer(w * d, d);
     }
     mean /= total;
-    return symmetric_eigen(second * (1 / total) - outer(mean, mean)).values.x;
+    const Mat3 C = second * (1 / total) - outer(mean, mean);
+    // The smallest eigenvalue is the determinant over the product of the others, which is at most (trace/2)^2.
+    const double t = trace(C);
+    if (4 * determinant(C) > 1.01 * least * t * t) return true;
+    return symmetric_eigen(C).values.x > least;
 }
-
-std::uint32_t nearest_node(const Sampling& sampling, const Vec3& position) {
-    std::uint32_t best = 0;
-    for (std::uint32_t n = 1; n < sampling.nodes.size(); ++n)
-        if (norm_squared(sampling.nodes[n] - position) < norm_squared(sampling.nodes[best] - position)) best = n;
-    return best;
-}
-
-}  // namespace
 
 SupportSearch::SupportSearch(const Sampling& sampling)
-    : sampling_(sampling), seen_cell_(sampling.cell_box.size()), seen_node_(sampling.nodes.size()) {}
+    : sampling_(sampling), local_(sampling.cell_box.size(), no_index) {}
+
+void SupportSearch::look_around(std::uint32_t cell, double reach) {
+    const Sampling& s = sampling_;
+    around_.cell = cell;
+    around_.reach = reach;
+
+    // Cells, breadth first.
+    std::vector<std::uint32_t>& cells = around_.cells;
+    cells.assign(1, cell);
+    local_[cell] = 0;
+    for (std::size_t next = 0; next < cells.size(); ++next)
+        for (std::uint32_t k = s.neighbor_offset[cells[next]]; k < s.neighbor_offset[cells[next] + 1]; ++k) {
+            const std::uint32_t other = s.neighbors[k];
+            if (local_[other] != no_index) continue;
+            if (!(norm_squared(s.cell_centers[other] - s.cell_centers[cell]) < reach * reach)) continue;
+            local_[other] = static_cast<std::uint32_t>(cells.size());
+            cells.push_back(other);
+        }
+
+    // Their nodes.
+    around_.nodes.clear();
+    for (std::uint32_t c : cells)
+        for (std::uint32_t n : s.cell_nodes[c])
+            if (n != no_index) around_.nodes.push_back(n);
+    std::sort(around_.nodes.begin(), around_.nodes.end());
+    around_.nodes.erase(std::unique(around_.nodes.begin(), around_.nodes.end()), around_.nodes.end());
+    around_.positions.clear();
+    for (std::uint32_t n : around_.nodes) around_.positions.push_back(s.nodes[n]);
+
+    // What holds and touches what.
+    const std::size_t words = (cells.size() + 63) / 64;
+    around_.centers.clear();
+    around_.held.assign(cells.size(), {no_index, no_index});
+    around_.touching.assign(cells.size() * words, 0);
+    for (std::size_t l = 0; l < cells.size(); ++l) {
+        const std::uint32_t c = cells[l];
+        around_.centers.push_back(s.cell_centers[c]);
+        for (std::size_t slot = 0; slot < 2; ++slot)
+            if (s.cell_nodes[c][slot] != no_index)
+                around_.held[l][slot] = static_cast<std::uint32_t>(
+                    std::lower_bound(around_.nodes.begin(), around_.nodes.end(), s.cell_nodes[c][slot]) -
+                    around_.nodes.begin());
+        for (std::uint32_t k = s.neighbor_offset[c]; k < s.neighbor_offset[c + 1]; ++k)
+            if (const std::uint32_t other = local_[s.neighbors[k]]; other != no_index)
+                around_.touching[l * words + other / 64] |= Word{1} << other % 64;
+    }
+    for (std::uint32_t c : cells) local_[c] = no_index;
+}
 
 const std::vector<std::uint32_t>& SupportSearch::find(const Vec3& position, std::uint32_t cell, double radius) {
-    ++search_;
-    const double reach_squared = 1.25 * 1.25 * radius * radius, radius_squared = radius * radius * (1 - 1e-9);
-    nodes_.clear();
-    queue_.assign(1, cell);
-    seen_cell_[cell] = search_;
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-        const std::uint32_t c = queue_[next];
-        for (std::uint32_t n : sampling_.cell_nodes[c]) {
-            if (n == no_index || seen_node_[n] == search_) continue;
-            seen_node_[n] = search_;
-            if (norm_squared(sampling_.nodes[n] - position) < radius_squared) nodes_.push_back(n);
+    const double aside = norm(position - sampling_.cell_centers[cell]);
+    const double needed = walk * radius + aside;
+    if (around_.cell != cell || around_.reach < needed)
+        look_around(cell, std::max(needed * (1 + 1e-9), walk * radius + half_diagonal * sampling_.pitch));
+
+    // Cells within the walk.
+    const double walk_squared = walk * walk * radius * radius, radius_squared = radius * radius * (1 - 1e-9);
+    const std::size_t words = (around_.cells.size() + 63) / 64;
+    near_.assign(words, 0);
+    for (std::size_t l = 0; l < around_.cells.size(); ++l)
+        near_[l / 64] |= Word{norm_squared(around_.centers[l] - position) < walk_squared} << l % 64;
+
+    // Those of them that are joined to the first, wave by wave, and the nodes that they hold.
+    held_.assign((around_.nodes.size() + 63) / 64, 0);
+    reached_.assign(words, 0);
+    frontier_.assign(words, 0);
+    frontier_[0] = reached_[0] = 1;
+    for (bool grows = true; grows;) {
+        next_.assign(words, 0);
+        for_each_bit(frontier_, [&](std::size_t l) {
+            for (std::uint32_t n : around_.held[l])
+                if (n != no_index) set_bit(held_, n);
+            for (std::size_t w = 0; w < words; ++w) next_[w] |= around_.touching[l * words + w];
+        });
+        grows = false;
+        for (std::size_t w = 0; w < words; ++w) {
+            next_[w] &= near_[w] & ~reached_[w];
+            reached_[w] |= next_[w];
+            grows = grows || next_[w] != 0;
         }
-        for (std::uint32_t k = sampling_.neighbor_offset[c]; k < sampling_.neighbor_offset[c + 1]; ++k) {
-            const std::uint32_t other = sampling_.neighbors[k];
-            if (seen_cell_[other] == search_) continue;
-            seen_cell_[other] = search_;
-            if (norm_squared(sampling_.cell_centers[other] - position) < reach_squared) queue_.push_back(other);
-        }
+        frontier_.swap(next_);
     }
-    std::sort(nodes_.begin(), nodes_.end());
-    return nodes_;
+
+    found_.clear();
+    for_each_bit(held_, [&](std::size_t n) {
+        if (norm_squared(around_.positions[n] - position) < radius_squared) found_.push_back(around_.nodes[n]);
+    });
+    return found_;
 }
 
 void find_support(SupportSearch& search, const Sampling& sampling, KernelShape kernel, double radius,
@@ -71,7 +158,7 @@ void find_support(SupportSearch& search, const Sampling& sampling, KernelShape k
         out.widened = attempt > 0;
         if (attempt == widenings) break;
         if (out.nodes.size() >= fewest &&
-            smallest_variance(out.offsets, kernel, out.radius) > 1e-2 * sampling.pitch * sampling.pitch)
+            varies_more_than(1e-2 * sampling.pitch * sampling.pitch, out.offsets, kernel, out.radius))
             break;
         out.radius *= 1.12;
     }

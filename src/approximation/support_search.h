@@ -8,6 +8,9 @@ namespace phyxel {
 
 /// Finds the nodes in the support of a point by walking over touching cells, breadth first, within 1.25 support radii:
 /// what lies across a gap is never reached. One object a thread.
+///
+/// Searches from the same cell follow each other: the surroundings of the last cell are kept as a small graph, cells
+/// and nodes as bits, so that a search is a few distances and a flood of bits.
 class SupportSearch {
 public:
     explicit SupportSearch(const Sampling& sampling);
@@ -16,11 +19,31 @@ public:
     const std::vector<std::uint32_t>& find(const Vec3& position, std::uint32_t cell, double radius);
 
 private:
+    using Word = std::uint64_t;
+
+    /// All that a search from `cell` may meet: cells whose centres are within `reach` of its own.
+    struct Surroundings {
+        std::uint32_t cell = no_index;
+        double reach = 0;                                ///< [m]
+        std::vector<std::uint32_t> cells;                ///< as walked: the first is `cell`
+        std::vector<Vec3> centers;                       ///< [cells] [m]
+        std::vector<std::uint32_t> nodes;                ///< of the cells; ascending
+        std::vector<Vec3> positions;                     ///< [nodes] [m]
+        std::vector<std::array<std::uint32_t, 2>> held;  ///< [cells] places of their nodes in `nodes`, or `no_index`
+        std::vector<Word> touching;                      ///< [cells] rows of one bit a cell
+    };
+
+    void look_around(std::uint32_t cell, double reach);
+
     const Sampling& sampling_;
-    std::vector<std::uint32_t> seen_cell_, seen_node_;  ///< [cells], [nodes] number of the last search that met it
-    std::uint32_t search_ = 0;
-    std::vector<std::uint32_t> queue_, nodes_;
+    std::vector<std::uint32_t> local_;  ///< [cells] place in the surroundings, or `no_index`
+    Surroundings around_;
+    std::vector<Word> near_, reached_, frontier_, next_, held_;
+    std::vector<std::uint32_t> found_;
 };
+
+/// Whether the smallest variance of node positions under the kernel's weights exceeds `least` [m^2].
+bool varies_more_than(double least, std::span<const Vec3> offsets, KernelShape kernel, double radius);
 
 /// The nodes around one point, with the support radius that a sound fit needs.
 struct Support {

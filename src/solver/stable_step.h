@@ -7,13 +7,17 @@
 
 namespace phyxel {
 
-/// Largest angular frequency of a body, by power iteration on M^-1 K(x) that goes on where it last stopped. What the
-/// iteration finds is below the truth; the margin and the share of the limit at which steps are run make up for it.
+/// Largest angular frequency of a body: at rest by the Lanczos process, then by power iteration on M^-1 K(x) that goes
+/// on where it last stopped. What is found is below the truth; the margin and the share of the limit at which steps are
+/// run make up for it.
 class LargestFrequency {
 public:
     /// Estimate [1/s] after `iterations` more.
     double estimate(const Model& model, std::span<const Vec3> x, int iterations, ForceWorkspace& work,
                     const Threads& threads);
+
+    /// Estimate [1/s] of a body at rest, from the beginning.
+    double estimate_at_rest(const Model& model, ForceWorkspace& work, const Threads& threads);
 
     std::vector<Vec3>& mode() { return mode_; }  ///< [nodes] kept in checkpoints
 

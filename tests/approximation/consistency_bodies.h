@@ -9,6 +9,7 @@
 
 #include "approximation/consistency.h"
 #include "approximation/moving_least_squares.h"
+#include "approximation/support_search.h"
 #include "geometry/clipping.h"
 #include "geometry/clipping_shapes.h"
 
@@ -80,9 +81,11 @@ inline LatticeBody lattice_body(const TriangleMesh& mesh, double spacing) {
     };
     const auto widened = [&](const Vec3& X) {
         double radius = LatticeBody::support_in_spacings * spacing;
-        for (approximate(X, radius); found.size() < 8 || shape.variance < 1e-2 * spacing * spacing;
-             approximate(X, radius))
-            radius *= 1.12;
+        const auto sound = [&] {
+            return found.size() >= 8 &&
+                   varies_more_than(1e-2 * spacing * spacing, offsets, KernelShape::quartic_spline, radius);
+        };
+        for (approximate(X, radius); !sound(); approximate(X, radius)) radius *= 1.12;
         return radius;
     };
 
