@@ -63,6 +63,7 @@ Collider::Collider(const Sphere& sphere)
 Collider::Collider(const Box& box) : friction_(checked_friction(box.friction)) {
     for (int c = 0; c < 3; ++c) checked_size(box.size[c], "box.size");
     checked_direction(box.rotation.axis, "box.rotation.axis");
+    if (!std::isfinite(box.rotation.degrees)) throw Error("box.rotation.degrees: expected a finite number");
     shape_ = Block{checked_point(box.center, "box.center"), 0.5 * box.size, rotation_matrix(box.rotation)};
 }
 
@@ -78,6 +79,12 @@ Distance Collider::distance(const Vec3& x) const {
     Distance local = distance_from(transpose(block.rotation) * (x - block.center), block.half_size);
     local.normal = block.rotation * local.normal;
     return local;
+}
+
+void Collider::add_to(Hasher& hasher) const {
+    hasher.add_value(static_cast<std::uint64_t>(shape_.index()));
+    std::visit([&](const auto& shape) { hasher.add_value(shape); }, shape_);
+    hasher.add_value(friction_);
 }
 
 double Collider::distance_to_box(const Vec3& low, const Vec3& high) const {

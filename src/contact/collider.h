@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "base/hash.h"
 #include "phyxel/body.h"
 
 namespace phyxel {
@@ -24,6 +25,8 @@ public:
     /// Lower bound of the distance of every point in the box [low, high].
     double distance_to_box(const Vec3& low, const Vec3& high) const;
     double friction() const { return friction_; }
+    /// Adds kind, place, size and friction to a hash.
+    void add_to(Hasher& hasher) const;
 
 private:
     struct HalfSpace {

@@ -74,6 +74,12 @@ Vec3 GripMotion::place(const Vec3& X, double time) const {
     return rotation_about(axis_, key.degrees * std::numbers::pi / 180) * (X - center_) + center_ + key.displacement;
 }
 
+void GripMotion::add_to(Hasher& hasher) const {
+    hasher.add_value(axis_);
+    hasher.add_value(center_);
+    hasher.add_values(std::span<const GripKey>(path_));
+}
+
 struct Constraints::Factor {
     std::vector<std::uint32_t> rows;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt;
@@ -125,11 +131,6 @@ std::size_t Constraints::add(const Model& model, const TriangleMesh& mesh, const
 }
 
 void Constraints::factorize(const Model& model) {
-    held_nodes_.clear();
-    for (const Row& row : rows_) held_nodes_.insert(held_nodes_.end(), row.node.begin(), row.node.end());
-    std::sort(held_nodes_.begin(), held_nodes_.end());
-    held_nodes_.erase(std::unique(held_nodes_.begin(), held_nodes_.end()), held_nodes_.end());
-
     for (int d = 0; d < 3; ++d) {
         auto factor = std::make_unique<Factor>();
         for (std::uint32_t r = 0; r < rows_.size(); ++r)
@@ -195,6 +196,18 @@ void Constraints::project(double time, double dt, std::span<const Vec3> x, std::
             fix.torque_impulse +=
                 cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), along);
         }
+    }
+}
+
+void Constraints::add_to(Hasher& hasher) const {
+    for (const HeldFix& fix : fixes_) {
+        fix.motion.add_to(hasher);
+        for (bool held : fix.directions) hasher.add_value(static_cast<std::uint64_t>(held));
+    }
+    for (const Row& row : rows_) {
+        hasher.add_value(static_cast<std::uint64_t>(row.fix));
+        hasher.add_values(std::span<const std::uint32_t>(row.node));
+        hasher.add_values(std::span<const double>(row.coefficient));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.h"
 #include "forces/selection.h"
 #include "phyxel/body.h"
 
@@ -16,6 +17,7 @@ public:
     explicit GripMotion(const Fix& fix);
     Vec3 place(const Vec3& X, double time) const;
     bool moves() const { return path_.size() > 0; }
+    void add_to(Hasher& hasher) const;
 
 private:
     Vec3 axis_, center_;
@@ -48,8 +50,8 @@ public:
     /// Mean force and torque on the body over `seconds` since `start_measuring`.
     Reaction reaction(std::size_t fix, double seconds) const;
 
-    /// [nodes] touched by any row, ascending.
-    std::span<const std::uint32_t> held_nodes() const { return held_nodes_; }
+    /// Adds what is held, in which directions and along which paths to a hash.
+    void add_to(Hasher& hasher) const;
 
 private:
     struct Row {
@@ -72,7 +74,6 @@ private:
     std::vector<Row> rows_;
     std::array<std::unique_ptr<Factor>, 3> factors_;  ///< of C M^-1 C^T over the rows held in each direction
     std::vector<double> inverse_mass_;
-    std::vector<std::uint32_t> held_nodes_;
 };
 
 }  // namespace phyxel

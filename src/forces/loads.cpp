@@ -31,4 +31,13 @@ void SurfaceLoad::add(double time, std::span<const Vec3> x, std::span<Vec3> f) c
     }
 }
 
+void SurfaceLoad::add_to(Hasher& hasher) const {
+    hasher.add_value(ramp_);
+    hasher.add_value(pressure_.value_or(0));
+    hasher.add_values(std::span<const std::uint32_t>(node_));
+    hasher.add_values(std::span<const Vec3>(force_));
+    hasher.add_values(std::span<const std::uint32_t>(pieces_.node));
+    hasher.add_values(std::span<const Vec3>(area_));
+}
+
 }  // namespace phyxel

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "base/hash.h"
 #include "forces/selection.h"
 
 namespace phyxel {
@@ -15,6 +16,9 @@ public:
 
     /// Adds the forces at time `time` [s] to `f`. Pressure follows the surface: -p cof(F) N dA.
     void add(double time, std::span<const Vec3> x, std::span<Vec3> f) const;
+
+    /// Adds all that the load is to a hash.
+    void add_to(Hasher& hasher) const;
 
 private:
     double share(double time) const { return ramp_ <= 0 || time >= ramp_ ? 1 : time / ramp_; }

@@ -12,13 +12,16 @@ namespace {
 using Bodies = std::span<const std::unique_ptr<DynamicBody>>;
 
 constexpr std::size_t steps_between_estimates = 32;
-constexpr int rest_iterations = 60;  ///< power iterations for a new body
 constexpr int warm_iterations = 4;   ///< power iterations that go on from the last estimate
-constexpr int halvings = 8;
 
-/// Energy out of nowhere, relative to the largest energy around, from which a step counts as unstable. Explicit contact
-/// and fast crushing err by some per cent; an instability multiplies.
-constexpr double tolerated_gain = 0.25;
+/// Shortest substep against the stable one at rest: where a step fails even with these, it fails. A body that needs
+/// shorter ones is crushed; the law squeezed to a tenth of its thickness is still far from it.
+constexpr double shortest_share = 1.0 / 256;
+
+/// Energy out of nowhere, relative to the largest energy around, from which a step counts as unstable. Ordinary steps
+/// err by less than a thousandth; a body that hits a floor at four times its speed of sound kept 40 % too much with
+/// 0.25.
+constexpr double tolerated_gain = 0.02;
 
 struct Snapshot {
     State state;
@@ -48,7 +51,8 @@ void restore(Bodies bodies, const std::vector<Snapshot>& snapshots) {
 std::string trouble_with(DynamicBody& b, const Snapshot& before, const Surroundings& around, const Threads& threads) {
     const Vec3 start = before.state.x.front();
     for (std::size_t i = 0; i < b.state.x.size(); ++i)
-        if (!is_finite(b.state.x[i]) || !is_finite(b.state.v[i])) {
+        // Places are handed out in single precision.
+        if (!is_finite(vector_cast<float>(b.state.x[i])) || !is_finite(b.state.v[i])) {
             return "node " + std::to_string(i) + " at rest position " + format_point(b.model.rest[i]) +
                    " left the numbers";
         }
@@ -74,28 +78,62 @@ double shortest_limit(Bodies bodies) {
     return limit;
 }
 
-/// One try, with substeps shortened by `shortening`. Stops early where something is no longer finite.
-void try_advance(Bodies bodies, const Surroundings& around, Integrator integrator, double time, double duration,
-                 double shortening, const Threads& threads, StepReport& report) {
+/// What is wrong with any body; empty when nothing is.
+std::string trouble_with(Bodies bodies, const std::vector<Snapshot>& before, const Surroundings& around,
+                         const Threads& threads) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const std::string trouble = trouble_with(*bodies[i], before[i], around, threads);
+        if (!trouble.empty()) return "body " + std::to_string(i) + ": " + trouble;
+    }
+    return {};
+}
+
+/// Looks again at how long steps of a body may be. Deformation lowers the limit; it never rises above that at rest, for
+/// which contact is made. Returns what is wrong; empty when nothing is.
+std::string update_limit(DynamicBody& b, const Surroundings& around, const Threads& threads) {
+    if (!std::isfinite(kinetic_energy(b, threads))) return "its motion is beyond all numbers";
+    const double omega = b.frequency.estimate(b.model, b.state.x, warm_iterations, b.work, threads);
+    if (!std::isfinite(omega)) return "its stiffness is beyond all numbers";
+    b.step_limit = std::min(b.rest_step, stable_step(omega, around.stiffness_damping));
+    if (b.step_limit < shortest_share * b.rest_step)
+        return "it is crushed: stable substeps fell from " + format_number(b.rest_step) + " s at rest to " +
+               format_number(b.step_limit) + " s";
+    return {};
+}
+
+/// Below which no substep is tried [s].
+double shortest_substep(Bodies bodies) {
+    double rest = bodies.front()->rest_step;
+    for (const auto& b : bodies) rest = std::min(rest, b->rest_step);
+    return shortest_share * rest;
+}
+
+/// One try, with substeps shortened by `shortening`. Returns what went wrong; empty when nothing did.
+std::string try_advance(Bodies bodies, const std::vector<Snapshot>& before, const Surroundings& around,
+                        Integrator integrator, double time, double duration, double shortening, const Threads& threads,
+                        StepReport& report) {
     for (double left = duration; left > 0;) {
-        const double limit = shortest_limit(bodies) * shortening;
+        const double limit = std::max(shortest_limit(bodies) * shortening, shortest_substep(bodies));
         const double needed = std::max(1.0, std::ceil(left / limit * (1 - 1e-12)));
         const double dt = left / needed;
         const auto count = static_cast<std::size_t>(std::min(needed, double(steps_between_estimates)));
-        for (const auto& b : bodies) {
-            if (integrator == Integrator::verlet) verlet(*b, around, time, dt, count, threads);
-            else leap_frog(*b, around, time, dt, count, threads);
-            if (!std::isfinite(kinetic_energy(*b, threads))) return;
-            // Deformation lowers the limit; it never rises above that at rest, for which contact is made.
-            const double omega = b->frequency.estimate(b->model, b->state.x, warm_iterations, b->work, threads);
-            if (!std::isfinite(omega)) return;
-            b->step_limit = std::min(b->rest_step, stable_step(omega, around.stiffness_damping));
+        report.substep = dt;
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            if (integrator == Integrator::verlet) verlet(*bodies[i], around, time, dt, count, threads);
+            else leap_frog(*bodies[i], around, time, dt, count, threads);
+            const std::string trouble = update_limit(*bodies[i], around, threads);
+            if (!trouble.empty()) return "body " + std::to_string(i) + ": " + trouble;
         }
         report.substeps += count;
-        report.substep = dt;
         left = static_cast<double>(count) == needed ? 0 : left - static_cast<double>(count) * dt;
         time += static_cast<double>(count) * dt;
+
+        // Whatever failed once is watched closely, so that the next failure is seen early.
+        if (left > 0 && shortening == 1) continue;
+        const std::string trouble = trouble_with(bodies, before, around, threads);
+        if (!trouble.empty()) return trouble;
     }
+    return {};
 }
 
 }  // namespace
@@ -112,7 +150,8 @@ BodyEnergy body_energy(DynamicBody& b, const Surroundings& around, const Threads
 }
 
 void estimate_rest_step(DynamicBody& b, const Surroundings& around, const Threads& threads) {
-    const double omega = b.frequency.estimate(b.model, b.model.rest, rest_iterations, b.work, threads);
+    b.frequency = {};  // so that the estimate does not depend on what the body went through
+    const double omega = b.frequency.estimate_at_rest(b.model, b.work, threads);
     b.rest_step = b.step_limit = stable_step(omega, around.stiffness_damping);
 }
 
@@ -125,16 +164,10 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
     }
     const std::vector<Snapshot> before = take_snapshots(bodies, around, threads);
     std::string trouble;
-    double shortening = 1;
-    for (int attempt = 0; attempt <= halvings; ++attempt, shortening /= 2) {
+    for (double shortening = 1; shortening >= shortest_share; shortening /= 2) {
         for (const auto& b : bodies) b->constraints.start_measuring();
         report.substeps = 0;
-        try_advance(bodies, around, integrator, time, duration, shortening, threads, report);
-        trouble.clear();
-        for (std::size_t i = 0; i < bodies.size() && trouble.empty(); ++i) {
-            trouble = trouble_with(*bodies[i], before[i], around, threads);
-            if (!trouble.empty()) trouble = "body " + std::to_string(i) + ": " + trouble;
-        }
+        trouble = try_advance(bodies, before, around, integrator, time, duration, shortening, threads, report);
         if (trouble.empty()) {
             report.advanced = duration;
             for (const auto& b : bodies) report.contacts += b->touches.size();
@@ -142,12 +175,13 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
         }
         restore(bodies, before);
         ++report.retries;
+        if (report.substep <= shortest_substep(bodies)) break;
     }
     report.status = StepStatus::failed;
     report.substeps = 0;
     report.message =
         "no stable step from time " + format_number(time) + " s, even with substeps of " +
-        format_number(shortest_limit(bodies) * shortening * 2) + " s: " + trouble +
+        format_number(report.substep) + " s: " + trouble +
         ". The state is the last good one. A stiffer law (neo-hookean), a finer spacing or gentler loads may help";
     return report;
 }

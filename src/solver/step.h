@@ -19,7 +19,8 @@ BodyEnergy body_energy(DynamicBody& body, const Surroundings& around, const Thre
 
 /// Advances all bodies by `duration` [s] from `time`, in equal substeps no longer than the shortest stable step, which
 /// is looked at again every 32 substeps. A result that is not finite, or that gained energy from nowhere, is thrown
-/// away and done again with substeps half as long, eight times at most; then the bodies are left as they were before.
+/// away and done again with substeps half as long, down to 1/256 of those at rest; then the bodies are left as they
+/// were before.
 StepReport advance(std::span<const std::unique_ptr<DynamicBody>> bodies, const Surroundings& around,
                    Integrator integrator, double time, double duration, const Threads& threads);
 

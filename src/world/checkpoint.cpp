@@ -11,7 +11,7 @@ namespace phyxel {
 namespace {
 
 /// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials,
-/// obstacles.
+/// obstacles, fixes, loads.
 std::uint64_t fingerprint(const World::Parts& p) {
     Hasher hasher;
     hasher.add_value(p.settings.time_step);
@@ -19,7 +19,7 @@ std::uint64_t fingerprint(const World::Parts& p) {
     hasher.add_value(p.around.mass_damping);
     hasher.add_value(p.around.stiffness_damping);
     hasher.add_value(static_cast<std::uint64_t>(p.settings.integrator));
-    hasher.add_value(static_cast<std::uint64_t>(p.around.colliders.size()));
+    for (const Collider& collider : p.around.colliders) collider.add_to(hasher);
     for (const auto& body : p.bodies) {
         const Model& m = body->model;
         hasher.add_values(std::span<const Vec3>(m.rest));
@@ -30,8 +30,8 @@ std::uint64_t fingerprint(const World::Parts& p) {
                              m.settings.volume_stiffness, m.stabilization, body->rest_step})
             hasher.add_value(value);
         hasher.add_value(static_cast<std::uint64_t>(m.settings.law));
-        hasher.add_value(static_cast<std::uint64_t>(body->loads.size()));
-        hasher.add_values(body->constraints.held_nodes());
+        for (const SurfaceLoad& load : body->loads) load.add_to(hasher);
+        body->constraints.add_to(hasher);
     }
     return hasher.value();
 }

@@ -100,7 +100,7 @@ void validate(const BodySettings& s) {
     check_axis(s.rotation, "rotation");
     check_axis(s.lattice_rotation, "sampling.rotation");
     if (!is_finite(s.translation)) throw Error("body translation: expected finite numbers [m]");
-    if (!is_finite(s.velocity)) throw Error("body velocity: expected finite numbers [m/s]");
+    if (!(norm(s.velocity) <= fastest)) refuse("velocity", norm(s.velocity), "at most the speed of light [m/s]");
     if (!is_finite(s.lattice_offset)) throw Error("body sampling.offset: expected finite numbers [spacings]");
     if (!(s.spacing >= 0) || !std::isfinite(s.spacing))
         refuse("spacing", s.spacing, "a finite number above 0 [m], or 0 to use count");

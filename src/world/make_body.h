@@ -6,6 +6,9 @@
 
 namespace phyxel {
 
+/// Initial speeds above that of light [m/s] are mistakes.
+inline constexpr double fastest = 299792458;
+
 /// Throws `Error` naming the field unless `settings` can make a body.
 void validate(const BodySettings& settings);
 

@@ -178,7 +178,8 @@ void World::set_gravity(const Vec3& gravity) {
 
 void World::set_velocity(BodyId id, const Vec3& velocity) {
     Parts& p = *parts_;
-    if (!is_finite(velocity)) throw Error("velocity: expected finite numbers [m/s]");
+    if (!(norm(velocity) <= fastest))
+        throw Error("velocity: found " + format_number(norm(velocity)) + ", expected at most the speed of light [m/s]");
     DynamicBody& body = p.body(id);
     const double before = kinetic_energy(body, p.threads);
     std::fill(body.state.v.begin(), body.state.v.end(), velocity);
