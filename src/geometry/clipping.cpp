@@ -172,7 +172,9 @@ void append(std::vector<Value>& to, const std::vector<Value>& from) {
 
 }  // namespace
 
-ClippedVolume clip_closed(const TriangleMesh& mesh, double pitch, const Threads& threads) {
+ClippedVolume clip_closed(const TriangleMesh& original, double pitch, const Threads& threads) {
+    const TriangleMesh mesh = snapped_to_planes(original, pitch);
+
     // Strips of octants are independent: each sums its own pieces in the order of the triangles.
     const StripTriangles triangles(mesh, pitch);
     std::vector<Strip> strips(triangles.strips());

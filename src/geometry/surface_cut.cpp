@@ -2,6 +2,18 @@
 
 namespace phyxel {
 
+TriangleMesh snapped_to_planes(const TriangleMesh& mesh, double pitch) {
+    // Coordinates of a mesh that was moved a thousand of its sizes away still carry this many digits.
+    constexpr double rounding = 1e-11;
+    TriangleMesh snapped{mesh.vertices, mesh.triangles, {}, {}};
+    for (Vec3& X : snapped.vertices)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double plane = std::round(X[c] / pitch) * pitch;
+            if (std::abs(X[c] - plane) <= rounding * pitch) X[c] = plane;
+        }
+    return snapped;
+}
+
 SurfacePoint surface_point(const ConvexPolygon& piece, std::uint32_t triangle) {
     // Fan of triangles from the first corner.
     const Vec3& apex = piece.points[0];
@@ -51,7 +63,8 @@ StripTriangles::StripTriangles(const TriangleMesh& mesh, double pitch) {
             triangles[next[static_cast<std::size_t>(i - first)]++] = static_cast<std::uint32_t>(t);
 }
 
-std::vector<SurfacePoint> cut_surface(const TriangleMesh& mesh, double pitch) {
+std::vector<SurfacePoint> cut_surface(const TriangleMesh& original, double pitch) {
+    const TriangleMesh mesh = snapped_to_planes(original, pitch);
     std::vector<SurfacePoint> points;
     points.reserve(2 * mesh.triangles.size());
     ConvexPolygon triangle;

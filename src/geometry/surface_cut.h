@@ -119,6 +119,11 @@ inline void set_triangle(ConvexPolygon& polygon, const TriangleMesh& mesh, std::
     for (std::size_t c = 0; c < 3; ++c) polygon.points[c] = mesh.vertices[mesh.triangles[triangle][c]];
 }
 
+/// The mesh with every coordinate that is within rounding of a plane moved onto it, shared vertices alike. A face that
+/// should lie in a plane but wobbles about it would be cut along lines that rounding alone decides, and its pieces
+/// would overlap: a box that was turned, on its own lattice, lost a thousandth of its volume.
+TriangleMesh snapped_to_planes(const TriangleMesh& mesh, double pitch);
+
 /// Centroid and area vector of a piece.
 SurfacePoint surface_point(const ConvexPolygon& piece, std::uint32_t triangle);
 
