@@ -114,21 +114,27 @@ std::vector<Vec3> solve(const ConsistencyMatrix& S, const NullSpace& null_space,
 void apply_correction(const ConsistencyInput& input, std::span<const LinearFit> fits, const ConsistencyBlocks& blocks,
                       std::span<const Vec3> lambda, std::span<Vec3> gradient, std::span<Vec3> residual,
                       const Threads& threads) {
-    std::vector<Vec3> change(input.node.size());
-    threads.for_chunks(input.points.size(), points_a_chunk, [&](std::size_t begin, std::size_t end) {
-        WeightedStencil stencil;
-        for (std::size_t q = begin; q < end; ++q) {
-            stencil.load(input, q);
-            const auto d = std::span(change).subspan(input.offset[q], stencil.size());
-            for (std::size_t i = 0; i < d.size(); ++i) d[i] = lambda[blocks.number[stencil.node[i]]];
-            apply_projector(stencil, fits[q], d);
-        }
-    });
-    for (std::size_t q = 0; q < input.points.size(); ++q)
-        for (std::size_t pair = input.offset[q]; pair < input.offset[q + 1]; ++pair) {
-            gradient[pair] += change[pair];
-            residual[input.node[pair]] -= input.volumes[q] * change[pair];
-        }
+    // A batch of points at a time: the changes of all of them would take as much memory as the gradients.
+    constexpr std::size_t batch = 16 * points_a_chunk;
+    std::vector<Vec3> change;
+    for (std::size_t first = 0; first < input.points.size(); first += batch) {
+        const std::size_t last = std::min(first + batch, input.points.size()), origin = input.offset[first];
+        change.resize(input.offset[last] - origin);
+        threads.for_chunks(last - first, points_a_chunk, [&](std::size_t begin, std::size_t end) {
+            WeightedStencil stencil;
+            for (std::size_t q = first + begin; q < first + end; ++q) {
+                stencil.load(input, q);
+                const auto d = std::span(change).subspan(input.offset[q] - origin, stencil.size());
+                for (std::size_t i = 0; i < d.size(); ++i) d[i] = lambda[blocks.number[stencil.node[i]]];
+                apply_projector(stencil, fits[q], d);
+            }
+        });
+        for (std::size_t q = first; q < last; ++q)
+            for (std::size_t pair = input.offset[q]; pair < input.offset[q + 1]; ++pair) {
+                gradient[pair] += change[pair - origin];
+                residual[input.node[pair]] -= input.volumes[q] * change[pair - origin];
+            }
+    }
 }
 
 }  // namespace

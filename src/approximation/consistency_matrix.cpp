@@ -105,7 +105,7 @@ struct Entries {
     std::vector<double> value;
 };
 
-constexpr std::size_t blocks_a_chunk = 16, rows_a_chunk = 512;
+constexpr std::size_t blocks_a_chunk = 4, rows_a_chunk = 512;
 
 }  // namespace
 
@@ -124,36 +124,37 @@ ConsistencyMatrix assemble(const ConsistencyInput& input, std::span<const Linear
     S.row.assign(blocks.size() + 1, 0);
     S.diagonal.resize(blocks.size());
 
-    // each block's rows by themselves
-    std::vector<Entries> entries(blocks.blocks.size());
-    threads.for_chunks(blocks.blocks.size(), blocks_a_chunk, [&](std::size_t begin, std::size_t end) {
-        BlockRows rows(blocks.size());
-        WeightedStencil stencil;
-        for (std::size_t b = begin; b < end; ++b) {
-            const auto points = std::span(seen.point).subspan(seen.offset[b], seen.offset[b + 1] - seen.offset[b]);
-            rows.start(blocks.blocks[b], input, blocks, points);
-            for (const std::uint32_t q : points) {
-                stencil.load(input, q);
-                rows.add(stencil, fits[q], input.volumes[q], blocks.number);
+    // Each block's rows by themselves, some blocks at a time: rows of all blocks, to be joined in the end, would take
+    // twice the memory. What is reserved beyond the need is never touched.
+    constexpr std::size_t batch = 8 * blocks_a_chunk, most_entries_a_row = 512;
+    S.column.reserve(std::min(blocks.size() * blocks.size(), blocks.size() * most_entries_a_row));
+    S.value.reserve(S.column.capacity());
+    for (std::size_t first = 0; first < blocks.blocks.size(); first += batch) {
+        std::vector<Entries> entries(std::min(batch, blocks.blocks.size() - first));
+        threads.for_chunks(entries.size(), blocks_a_chunk, [&](std::size_t begin, std::size_t end) {
+            BlockRows rows(blocks.size());
+            WeightedStencil stencil;
+            for (std::size_t b = first + begin; b < first + end; ++b) {
+                const auto points = std::span(seen.point).subspan(seen.offset[b], seen.offset[b + 1] - seen.offset[b]);
+                rows.start(blocks.blocks[b], input, blocks, points);
+                for (const std::uint32_t q : points) {
+                    stencil.load(input, q);
+                    rows.add(stencil, fits[q], input.volumes[q], blocks.number);
+                }
+                rows.finish([&](std::uint32_t i, std::uint32_t j, double value) {
+                    entries[b - first].column.push_back(j);
+                    entries[b - first].value.push_back(value);
+                    ++S.row[i + 1];
+                    if (i == j) S.diagonal[i] = value;
+                });
             }
-            rows.finish([&](std::uint32_t i, std::uint32_t j, double value) {
-                entries[b].column.push_back(j);
-                entries[b].value.push_back(value);
-                ++S.row[i + 1];
-                if (i == j) S.diagonal[i] = value;
-            });
+        });
+        for (const Entries& block : entries) {
+            S.column.insert(S.column.end(), block.column.begin(), block.column.end());
+            S.value.insert(S.value.end(), block.value.begin(), block.value.end());
         }
-    });
-
-    // and one after the other
-    for (std::size_t i = 0; i < blocks.size(); ++i) S.row[i + 1] += S.row[i];
-    S.column.reserve(S.row.back());
-    S.value.reserve(S.row.back());
-    for (Entries& block : entries) {
-        S.column.insert(S.column.end(), block.column.begin(), block.column.end());
-        S.value.insert(S.value.end(), block.value.begin(), block.value.end());
-        block = {};
     }
+    for (std::size_t i = 0; i < blocks.size(); ++i) S.row[i + 1] += S.row[i];
     return S;
 }
 

@@ -40,10 +40,11 @@ struct BlockBuild {
 };
 
 struct Workspace {
-    explicit Workspace(const Sampling& s) : search(s) {}
+    explicit Workspace(const Sampling& s) : search(s), slot_of(s.nodes.size(), no_index) {}
     SupportSearch search;
     Support support;
     ShapeFunctions shape;
+    std::vector<std::uint32_t> slot_of;  ///< [nodes] slot in the block at work, or `no_index`
 };
 
 void shepard_shares(const Support& support, KernelShape kernel, std::vector<double>& share) {
@@ -70,11 +71,19 @@ public:
         deep_ = grid_->deep_cells(s_, static_cast<int>(std::ceil(settings_.support / s_.pitch)));
         make_templates();
 
-        std::vector<BlockBuild> builds(begin.size() - 1);
-        threads_.for_each(builds.size(), 1, [&](std::size_t b) {
-            workspaces_.with([&](Workspace& work) { builds[b] = build_block(begin[b], begin[b + 1], work); });
-        });
-        join(begin, builds);
+        // Some blocks at a time: all of them, to be joined in the end, would take twice the memory.
+        constexpr std::size_t batch = 8;
+        start(begin.size() - 1);
+        for (std::size_t first = 0; first + 1 < begin.size(); first += batch) {
+            std::vector<BlockBuild> builds(std::min(batch, begin.size() - 1 - first));
+            threads_.for_each(builds.size(), 1, [&](std::size_t b) {
+                workspaces_.with(
+                    [&](Workspace& work) { builds[b] = build_block(begin[first + b], begin[first + b + 1], work); });
+            });
+            join(std::span(begin).subspan(first), builds);
+        }
+        if (!s_.node_volumes.empty()) result_.node_volumes = s_.node_volumes;
+        transpose_slots(result_.stencils);
         if (settings_.consistency_correction) correct();
         return std::move(result_);
     }
@@ -148,31 +157,42 @@ private:
             for (double w : *shares) pair_volume.push_back(w * s_.volumes[q]);
         }
         // Slots: the block's nodes, each once.
-        b.slot_node = b.node;
+        for (std::uint32_t n : b.node)
+            if (work.slot_of[n] == no_index) work.slot_of[n] = 0, b.slot_node.push_back(n);
         std::sort(b.slot_node.begin(), b.slot_node.end());
-        b.slot_node.erase(std::unique(b.slot_node.begin(), b.slot_node.end()), b.slot_node.end());
+        for (std::uint32_t slot = 0; slot < b.slot_node.size(); ++slot) work.slot_of[b.slot_node[slot]] = slot;
         b.slot_volume.resize(b.slot_node.size());
         b.local.reserve(b.node.size());
         for (std::size_t k = 0; k < b.node.size(); ++k) {
-            const auto slot = std::lower_bound(b.slot_node.begin(), b.slot_node.end(), b.node[k]) - b.slot_node.begin();
+            const std::uint32_t slot = work.slot_of[b.node[k]];
             b.local.push_back(static_cast<std::uint16_t>(slot));
             b.slot_volume[slot] += pair_volume[k];
         }
+        for (std::uint32_t n : b.slot_node) work.slot_of[n] = no_index;
         b.node = {};
         return b;
     }
 
-    void join(const std::vector<std::uint32_t>& begin, std::vector<BlockBuild>& builds) {
+    /// Makes room for all; what is reserved beyond the need is never touched.
+    void start(std::size_t blocks) {
+        Stencils& st = result_.stencils;
+        result_.node_volumes.assign(s_.nodes.size(), 0);
+        std::size_t own = 0;
+        for (std::uint32_t q = 0; q < s_.points.size(); ++q) own += !uses_template(q);
+        const double reach = settings_.support / s_.pitch, density = s_.lattice == Lattice::bcc ? 0.25 : 1;
+        const auto most = static_cast<std::size_t>(1.2 * density * 4.19 * reach * reach * reach) + 8;
+        st.local.reserve(most * s_.points.size());
+        st.gradient.reserve(st.gradient.size() + most * own);
+        st.blocks.reserve(blocks);
+        st.offset.push_back(0);
+    }
+
+    /// Appends blocks; `begin` holds their first points, and where the last one ends.
+    void join(std::span<const std::uint32_t> begin, const std::vector<BlockBuild>& builds) {
         Stencils& st = result_.stencils;
         StencilReport& report = result_.report;
-        result_.node_volumes.assign(s_.nodes.size(), 0);
-        std::size_t pairs = 0, gradients = st.gradient.size();
-        for (const BlockBuild& b : builds) pairs += b.local.size(), gradients += b.gradient.size();
-        st.local.reserve(pairs);
-        st.gradient.reserve(gradients);
-        st.offset.push_back(0);
         for (std::size_t i = 0; i < builds.size(); ++i) {
-            BlockBuild& b = builds[i];
+            const BlockBuild& b = builds[i];
             const auto slot_begin = static_cast<std::uint32_t>(st.slot_node.size());
             st.slot_node.insert(st.slot_node.end(), b.slot_node.begin(), b.slot_node.end());
             st.blocks.push_back({begin[i], begin[i + 1], slot_begin, static_cast<std::uint32_t>(st.slot_node.size())});
@@ -192,10 +212,7 @@ private:
             report.widened += b.widened;
             if (b.deficient && !report.deficient) report.deficient_place = b.deficient_place;
             report.deficient += b.deficient;
-            b = {};
         }
-        if (!s_.node_volumes.empty()) result_.node_volumes = s_.node_volumes;
-        transpose_slots(st);
     }
 
     void transpose_slots(Stencils& st) const {
@@ -212,12 +229,18 @@ private:
     std::vector<Vec3> patch_residual() const {
         const Stencils& st = result_.stencils;
         std::vector<Vec3> residual(s_.nodes.size()), positions;
-        for (const SurfacePoint& b : s_.boundary) positions.push_back(b.position);
-        const EmbeddedPoints boundary = embed(s_, settings_, positions, s_.boundary_cell, Gradients::no, threads_);
-        for (std::size_t p = 0; p < boundary.size(); ++p) {
-            const Vec3 area = s_.frame.direction_to_rest(s_.boundary[p].area);
-            for (std::uint32_t k = boundary.offset[p]; k < boundary.offset[p + 1]; ++k)
-                residual[boundary.node[k]] += boundary.phi[k] * area;
+        constexpr std::size_t batch = 4096;
+        for (std::size_t first = 0; first < s_.boundary.size(); first += batch) {
+            const std::size_t count = std::min(batch, s_.boundary.size() - first);
+            positions.clear();
+            for (std::size_t p = first; p < first + count; ++p) positions.push_back(s_.boundary[p].position);
+            const auto cells = std::span(s_.boundary_cell).subspan(first, count);
+            const EmbeddedPoints boundary = embed(s_, settings_, positions, cells, Gradients::no, threads_);
+            for (std::size_t p = 0; p < boundary.size(); ++p) {
+                const Vec3 area = s_.frame.direction_to_rest(s_.boundary[first + p].area);
+                for (std::uint32_t k = boundary.offset[p]; k < boundary.offset[p + 1]; ++k)
+                    residual[boundary.node[k]] += boundary.phi[k] * area;
+            }
         }
         for (const auto& block : st.blocks)
             for (std::uint32_t q = block.point_begin; q < block.point_end; ++q)

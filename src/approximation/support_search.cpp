@@ -55,7 +55,7 @@ bool varies_more_than(double least, std::span<const Vec3> offsets, KernelShape k
 }
 
 SupportSearch::SupportSearch(const Sampling& sampling)
-    : sampling_(sampling), local_(sampling.cell_box.size(), no_index) {}
+    : sampling_(sampling), local_(sampling.cell_box.size(), no_index), local_node_(sampling.nodes.size()) {}
 
 void SupportSearch::look_around(std::uint32_t cell, double reach) {
     const Sampling& s = sampling_;
@@ -83,7 +83,10 @@ void SupportSearch::look_around(std::uint32_t cell, double reach) {
     std::sort(around_.nodes.begin(), around_.nodes.end());
     around_.nodes.erase(std::unique(around_.nodes.begin(), around_.nodes.end()), around_.nodes.end());
     around_.positions.clear();
-    for (std::uint32_t n : around_.nodes) around_.positions.push_back(s.nodes[n]);
+    for (std::uint32_t n : around_.nodes) {
+        local_node_[n] = static_cast<std::uint32_t>(around_.positions.size());
+        around_.positions.push_back(s.nodes[n]);
+    }
 
     // What holds and touches what.
     const std::size_t words = (cells.size() + 63) / 64;
@@ -94,10 +97,7 @@ void SupportSearch::look_around(std::uint32_t cell, double reach) {
         const std::uint32_t c = cells[l];
         around_.centers.push_back(s.cell_centers[c]);
         for (std::size_t slot = 0; slot < 2; ++slot)
-            if (s.cell_nodes[c][slot] != no_index)
-                around_.held[l][slot] = static_cast<std::uint32_t>(
-                    std::lower_bound(around_.nodes.begin(), around_.nodes.end(), s.cell_nodes[c][slot]) -
-                    around_.nodes.begin());
+            if (const std::uint32_t n = s.cell_nodes[c][slot]; n != no_index) around_.held[l][slot] = local_node_[n];
         for (std::uint32_t k = s.neighbor_offset[c]; k < s.neighbor_offset[c + 1]; ++k)
             if (const std::uint32_t other = local_[s.neighbors[k]]; other != no_index)
                 around_.touching[l * words + other / 64] |= Word{1} << other % 64;

@@ -36,7 +36,8 @@ private:
     void look_around(std::uint32_t cell, double reach);
 
     const Sampling& sampling_;
-    std::vector<std::uint32_t> local_;  ///< [cells] place in the surroundings, or `no_index`
+    std::vector<std::uint32_t> local_;       ///< [cells] place in the surroundings, or `no_index`
+    std::vector<std::uint32_t> local_node_;  ///< [nodes] place in the surroundings; only of nodes that are in them
     Surroundings around_;
     std::vector<Word> near_, reached_, frontier_, next_, held_;
     std::vector<std::uint32_t> found_;
