@@ -158,7 +158,8 @@ void Constraints::factorize(const Model& model) {
     }
 }
 
-void Constraints::project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse) {
+void Constraints::project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse,
+                          double left) {
     for (int d = 0; d < 3; ++d) {
         if (!factors_[d]) continue;
         const Factor& factor = *factors_[d];
@@ -188,10 +189,10 @@ void Constraints::project(double time, double dt, std::span<const Vec3> x, std::
             for (std::size_t i = 0; i < row.node.size(); ++i) {
                 const double share = push * row.coefficient[i];
                 v[row.node[i]][d] += share * inverse_mass_[row.node[i]];
-                impulse[row.node[i]][d] += share;
+                impulse[row.node[i]][d] += share / left;
             }
             Vec3 along{};
-            along[d] = push;
+            along[d] = push / left;
             fix.force_impulse += along;
             fix.torque_impulse +=
                 cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), along);

@@ -42,8 +42,10 @@ public:
     bool empty() const { return fixes_.empty(); }
 
     /// Changes `v` so that every row is where its grip takes it at `time` after a drift of `dt` from `x`; `dt` = 0: so
-    /// that its velocity is the grip's. Adds the impulses [N s] to the fixes' totals, and to `impulse` [nodes].
-    void project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse);
+    /// that its velocity is the grip's. Adds the impulses [N s] to the fixes' totals, and to `impulse` [nodes]. Where
+    /// mass damping leaves only a part of the impulse of a force in the velocities, `left` says which.
+    void project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse,
+                 double left = 1);
 
     /// Forgets the impulses; the next reactions are means from here on.
     void start_measuring();

@@ -42,11 +42,11 @@ void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_le
     });
     if (!b.touches.empty()) {
         b.friction_impulse.assign(n, {});
-        b.contact->add_friction(around.colliders, b.touches, dt, b.state.v, b.friction_impulse);
+        b.contact->add_friction(around.colliders, b.touches, length, b.state.v, b.friction_impulse);
     }
     if (!b.constraints.empty()) {
         b.impulse.assign(n, {});
-        b.constraints.project(time, drift_length, b.state.x, b.state.v, b.impulse);
+        b.constraints.project(time, drift_length, b.state.x, b.state.v, b.impulse, length / dt);
         b.exchanged.external += work_of(b.impulse, b, threads);
     }
 
@@ -54,11 +54,14 @@ void kick(DynamicBody& b, const Surroundings& around, double dt, double drift_le
     if (!b.loads.empty()) b.exchanged.external += dt * work_of(b.load_force, b, threads);
     if (!b.touches.empty()) b.exchanged.friction -= work_of(b.friction_impulse, b, threads);
     b.exchanged.damping += dt * b.viscous_power;
-    if (alpha > 0)
+    if (alpha > 0) {
+        const bool held = !b.constraints.empty();
         b.exchanged.damping += threads.sum(n, chunk, [&](std::size_t i) {
-            const Vec3 lost = b.model.mass[i] * (1 - keep) * b.previous[i] + (dt - length) * b.force[i];
+            Vec3 lost = b.model.mass[i] * (1 - keep) * b.previous[i] + (dt - length) * b.force[i];
+            if (held) lost += (1 - length / dt) * b.impulse[i];
             return 0.5 * dot(lost, b.previous[i] + b.state.v[i]);
         });
+    }
 }
 
 void drift(DynamicBody& b, double dt, const Threads& threads) {

@@ -12,7 +12,7 @@ namespace {
 using Bodies = std::span<const std::unique_ptr<DynamicBody>>;
 
 constexpr std::size_t steps_between_estimates = 32;
-constexpr int warm_iterations = 4;   ///< power iterations that go on from the last estimate
+constexpr int warm_iterations = 4;  ///< power iterations that go on from the last estimate
 
 /// Shortest substep against the stable one at rest: where a step fails even with these, it fails. A body that needs
 /// shorter ones is crushed; the law squeezed to a tenth of its thickness is still far from it.

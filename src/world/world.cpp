@@ -104,8 +104,13 @@ std::size_t World::add_fix(BodyId id, const Fix& fix) {
     check_box(fix.box, "fix");
     if (!(fix.x || fix.y || fix.z)) throw Error("fix directions: expected at least one of x, y, z");
     if (!is_finite(fix.axis) || norm(fix.axis) == 0) throw Error("fix axis: expected a vector of any length but zero");
-    for (std::size_t k = 1; k < fix.path.size(); ++k)
-        if (!(fix.path[k].time > fix.path[k - 1].time)) throw Error("fix path: the times of its keys must rise");
+    if (!is_finite(fix.center)) throw Error("fix center: expected finite coordinates [m]");
+    for (std::size_t k = 0; k < fix.path.size(); ++k) {
+        const GripKey& key = fix.path[k];
+        if (!std::isfinite(key.time) || !is_finite(key.displacement) || !std::isfinite(key.degrees))
+            throw Error("fix path: expected finite times, displacements and degrees");
+        if (k > 0 && !(key.time > fix.path[k - 1].time)) throw Error("fix path: the times of its keys must rise");
+    }
     DynamicBody& body = p.body(id);
     p.fixes.push_back({id, body.constraints.add(body.model, body.mesh, fix, p.threads)});
     return p.fixes.size() - 1;
@@ -116,7 +121,11 @@ std::size_t World::add_load(BodyId id, const Load& load) {
     check_box(load.box, "load");
     if (load.force.has_value() + load.traction.has_value() + load.pressure.has_value() != 1)
         throw Error("load: expected exactly one of force, traction, pressure");
-    if (!(load.ramp >= 0)) throw Error("load ramp: found " + format_number(load.ramp) + ", expected at least 0 [s]");
+    if (load.force && !is_finite(*load.force)) throw Error("load force: expected finite numbers [N]");
+    if (load.traction && !is_finite(*load.traction)) throw Error("load traction: expected finite numbers [Pa]");
+    if (load.pressure && !std::isfinite(*load.pressure)) throw Error("load pressure: expected a finite number [Pa]");
+    if (!(load.ramp >= 0) || !std::isfinite(load.ramp))
+        throw Error("load ramp: found " + format_number(load.ramp) + ", expected a finite number of at least 0 [s]");
     DynamicBody& body = p.body(id);
     body.loads.emplace_back(body.model, body.mesh, load, p.threads);
     return body.loads.size() - 1;
@@ -195,9 +204,9 @@ void World::set_material(BodyId id, const Material& material) {
                     format_number(body.model.settings.density) + " kg/m^3; its mass does not change");
     const double before = body_energy(body, p.around, p.threads).total();
     phyxel::set_material(body.model, material);
-    body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
     find_rest_step(body, p);
     body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
+    body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
 }
 
 double World::time() const { return parts_->time; }
@@ -216,12 +225,14 @@ const Surface& World::surface(BodyId id) const { return *parts_->body(id).surfac
 const MeshReport& World::mesh_report(BodyId id) const { return parts_->infos[parts_->index_of(id)].mesh_report; }
 
 Reaction World::reaction(std::size_t fix) const {
-    const Parts::FixName& name = parts_->fixes.at(fix);
+    if (fix >= parts_->fixes.size()) throw Error("there is no fix number " + std::to_string(fix));
+    const Parts::FixName& name = parts_->fixes[fix];
     return parts_->body(name.body).constraints.reaction(name.number, parts_->measured_seconds);
 }
 
 ProbeReading World::probe(std::size_t probe) const {
-    const Parts::Probe& p = parts_->probes.at(probe);
+    if (probe >= parts_->probes.size()) throw Error("there is no probe number " + std::to_string(probe));
+    const Parts::Probe& p = parts_->probes[probe];
     return {p.rest, p.point.position(0, parts_->body(p.body).state.x)};
 }
 
