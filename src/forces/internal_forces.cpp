@@ -2,35 +2,22 @@
 
 #include <algorithm>
 
+#include "forces/point_kernels.h"
+
 namespace phyxel {
 namespace {
 
 constexpr std::size_t node_chunk = 1024;
 
+/// Points that are gathered, evaluated and scattered together: their matrices stay in the first-level cache.
+constexpr std::uint32_t batch = 32;
+
 /// Copies nodal vectors into the block's slots, relative to the first, so that the sums below do not depend on where in
 /// space the body is.
-void gather(const Stencils& st, const Stencils::Block& block, std::span<const Vec3> nodal, Vec3* slots) {
+void load_slots(const Stencils& st, const Stencils::Block& block, std::span<const Vec3> nodal, Double4* slots) {
     const Vec3 origin = nodal[st.slot_node[block.slot_begin]];
     for (std::uint32_t s = block.slot_begin; s < block.slot_end; ++s)
-        slots[s - block.slot_begin] = nodal[st.slot_node[s]] - origin;
-}
-
-/// sum_i x_i (x) g_qi over the pairs of point q.
-Mat3 gradient_at(const Stencils& st, std::uint32_t q, const Vec3* x) {
-    const std::uint32_t begin = st.offset[q], count = st.offset[q + 1] - begin;
-    const std::uint16_t* local = &st.local[begin];
-    const Vec3* g = &st.gradient[st.gradient_begin[q]];
-    Mat3 F;
-    for (std::uint32_t k = 0; k < count; ++k) F += outer(x[local[k]], g[k]);
-    return F;
-}
-
-/// f_i -= A g_qi over the pairs of point q.
-void scatter(const Stencils& st, std::uint32_t q, const Mat3& A, Vec3* f) {
-    const std::uint32_t begin = st.offset[q], count = st.offset[q + 1] - begin;
-    const std::uint16_t* local = &st.local[begin];
-    const Vec3* g = &st.gradient[st.gradient_begin[q]];
-    for (std::uint32_t k = 0; k < count; ++k) f[local[k]] -= A * g[k];
+        store(slots[s - block.slot_begin], nodal[st.slot_node[s]] - origin);
 }
 
 Vec3 slot_rest(const Model& m, const Stencils::Block& block, std::uint32_t k) {
@@ -38,28 +25,28 @@ Vec3 slot_rest(const Model& m, const Stencils::Block& block, std::uint32_t k) {
 }
 
 /// Energy of one point's nodal stabilization, kappa/2 sum_j w_j |x_qj - F X_qj|^2.
-double nodal_energy(const Model& m, const Stencils::Block& block, std::uint32_t q, const Mat3& F, const Vec3* x) {
+double nodal_energy(const Model& m, const Stencils::Block& block, std::uint32_t q, const Mat3& F, const Double4* x) {
     const Stencils& st = m.stencils;
-    const Vec3 own = x[m.nodal.self[q]], own_rest = m.rest[m.sampling.point_node[q]];
+    const Vec3 own = load(x[m.nodal.self[q]]), own_rest = m.rest[m.sampling.point_node[q]];
     double U = 0;
     for (std::uint32_t k = st.offset[q]; k < st.offset[q + 1]; ++k)
-        U += m.nodal.weight[k] * norm_squared(x[st.local[k]] - own - F * (slot_rest(m, block, k) - own_rest));
+        U += m.nodal.weight[k] * norm_squared(load(x[st.local[k]]) - own - F * (slot_rest(m, block, k) - own_rest));
     return 0.5 * m.nodal.kappa[q] * U;
 }
 
 /// Slots of x + beta v; v may be absent.
 struct SlotMotion {
-    const Vec3* x;
-    const Vec3* v;
+    const Double4* x;
+    const Double4* v;
     double beta;
-    Vec3 operator[](std::size_t slot) const { return v ? x[slot] + beta * v[slot] : x[slot]; }
+    Vec3 operator[](std::size_t slot) const { return v ? load(x[slot]) + beta * load(v[slot]) : load(x[slot]); }
 };
 
 /// Adds `sign` times its exact force at the positions y: with r_j = y_qj - F X_qj and T = sum_k w_k r_k (x) X_qk,
 /// f_j = -kappa (w_j r_j - T g_j), and the node itself takes + kappa sum_k w_k r_k besides. Quadratic in y, so that its
 /// viscous force is its force at beta v and its stiffness action minus its force at d.
 void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q, const Mat3& F, const SlotMotion& y,
-                  double sign, Vec3* f) {
+                  double sign, Double4* f) {
     const Stencils& st = m.stencils;
     const double kappa = sign * m.nodal.kappa[q];
     const Vec3 own = y[m.nodal.self[q]], own_rest = m.rest[m.sampling.point_node[q]];
@@ -70,17 +57,50 @@ void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q,
         const Vec3 wr = m.nodal.weight[k] * (y[st.local[k]] - own - F * X);
         T += outer(wr, X);
         sum += wr;
-        f[st.local[k]] -= kappa * wr;
+        add(f[st.local[k]], -kappa * wr);
     }
-    f[m.nodal.self[q]] += kappa * sum;
-    scatter(st, q, -kappa * T, f);
+    add(f[m.nodal.self[q]], kappa * sum);
+    const Mat3 A = -kappa * T;
+    scatter_stresses(st, q, q + 1, &A, f);
 }
 
 bool has_nodal(const Model& m) { return !m.nodal.kappa.empty(); }
 bool has_filter(const Model& m) { return !m.filter.rows.offset.empty(); }
 
-/// Runs `point(q, x, v, f)` over all points, block by block, with the block's slots of x, of v (when given) and of f,
-/// and adds up the slots of f at the nodes.
+/// A point as the loops below hand it out: its deformation gradient, that of v (when given), and the block's slots.
+struct PointState {
+    const Stencils::Block& block;
+    std::uint32_t q;
+    const Mat3 &F, &F_rate;
+    const Double4 *x, *v;  ///< v: null when not given
+};
+
+/// Calls `batch_done(begin, end, F, F_rate)` for all points of a block, `batch` at a time.
+template <class BatchDone>
+void for_batches(const Stencils& st, const Stencils::Block& block, const Double4* x, const Double4* v,
+                 BatchDone&& batch_done) {
+    Mat3 F[batch], F_rate[batch];
+    for (std::uint32_t begin = block.point_begin; begin < block.point_end; begin += batch) {
+        const std::uint32_t end = std::min(begin + batch, block.point_end);
+        gather_gradients(st, begin, end, x, F);
+        if (v) gather_gradients(st, begin, end, v, F_rate);
+        batch_done(begin, end, F, F_rate);
+    }
+}
+
+/// Slots of x and of v (null when not given) of a block, filled.
+std::pair<Double4*, Double4*> fill_slots(const Stencils& st, const Stencils::Block& block, std::span<const Vec3> x,
+                                         std::span<const Vec3> v, ForceWorkspace& work) {
+    Double4* slot_x = &work.slot_x[block.slot_begin];
+    load_slots(st, block, x, slot_x);
+    if (v.empty()) return {slot_x, nullptr};
+    Double4* slot_v = &work.slot_v[block.slot_begin];
+    load_slots(st, block, v, slot_v);
+    return {slot_x, slot_v};
+}
+
+/// Writes the nodal forces of the stresses A = `point(state, slots of f)`, f_i = -sum_q A_q g_qi, and of what `point`
+/// adds to the slots itself: block by block, then the slots of each node in order.
 template <class Point>
 void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
                     const Threads& threads, std::span<Vec3> f, Point&& point) {
@@ -90,36 +110,40 @@ void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec
     if (!v.empty()) work.slot_v.resize(st.slot_node.size());
     threads.for_each(st.blocks.size(), 1, [&](std::size_t b) {
         const Stencils::Block& block = st.blocks[b];
-        Vec3 *slot_x = &work.slot_x[block.slot_begin], *slot_f = &work.slot_f[block.slot_begin];
-        Vec3* slot_v = v.empty() ? nullptr : &work.slot_v[block.slot_begin];
-        gather(st, block, x, slot_x);
-        if (slot_v) gather(st, block, v, slot_v);
-        std::fill(slot_f, slot_f + (block.slot_end - block.slot_begin), Vec3{});
-        for (std::uint32_t q = block.point_begin; q < block.point_end; ++q) point(block, q, slot_x, slot_v, slot_f);
+        const auto [slot_x, slot_v] = fill_slots(st, block, x, v, work);
+        Double4* slot_f = &work.slot_f[block.slot_begin];
+        std::fill(slot_f, slot_f + (block.slot_end - block.slot_begin), Double4{});
+        for_batches(
+            st, block, slot_x, slot_v,
+            [&, x_ = slot_x, v_ = slot_v](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
+                Mat3 A[batch];
+                for (std::uint32_t q = begin; q < end; ++q)
+                    A[q - begin] = point(PointState{block, q, F[q - begin], F_rate[q - begin], x_, v_}, slot_f);
+                scatter_stresses(st, begin, end, A, slot_f);
+            });
     });
     threads.for_each(f.size(), node_chunk, [&](std::size_t i) {
         Vec3 sum{};
         for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k)
-            sum += work.slot_f[st.node_slots[k]];
+            sum += load(work.slot_f[st.node_slots[k]]);
         f[i] = sum;
     });
 }
 
-/// Sum over all points of `term(block, q, x, v)`.
+/// Sum of `term(state)` over all points.
 template <class Term>
-double sum_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
-                  const Threads& threads, Term&& term) {
+double sum_points(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads, Term&& term) {
     const Stencils& st = m.stencils;
     work.slot_x.resize(st.slot_node.size());
-    if (!v.empty()) work.slot_v.resize(st.slot_node.size());
     return threads.sum(st.blocks.size(), 1, [&](std::size_t b) {
         const Stencils::Block& block = st.blocks[b];
-        Vec3* slot_x = &work.slot_x[block.slot_begin];
-        Vec3* slot_v = v.empty() ? nullptr : &work.slot_v[block.slot_begin];
-        gather(st, block, x, slot_x);
-        if (slot_v) gather(st, block, v, slot_v);
+        const Double4* slot_x = fill_slots(st, block, x, {}, work).first;
         double sum = 0;
-        for (std::uint32_t q = block.point_begin; q < block.point_end; ++q) sum += term(block, q, slot_x, slot_v);
+        for_batches(st, block, slot_x, nullptr,
+                    [&](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
+                        for (std::uint32_t q = begin; q < end; ++q)
+                            sum += term(PointState{block, q, F[q - begin], F_rate[q - begin], slot_x, nullptr});
+                    });
         return sum;
     });
 }
@@ -167,18 +191,16 @@ Mat3 viscous_stress(const Lame& lame, const Mat3& F, const Mat3& F_rate, double 
 std::vector<Mat3> deformation_gradients(const Model& m, std::span<const Vec3> x, const Threads& threads) {
     ForceWorkspace work;
     std::vector<Mat3> F(m.stencils.points());
-    sum_points(m, x, {}, work, threads, [&](const Stencils::Block&, std::uint32_t q, const Vec3* slots, const Vec3*) {
-        F[q] = gradient_at(m.stencils, q, slots);
+    sum_points(m, x, work, threads, [&](const PointState& p) {
+        F[p.q] = p.F;
         return 0.0;
     });
     return F;
 }
 
 double elastic_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
-    return sum_points(m, x, {}, work, threads,
-                      [&](const Stencils::Block&, std::uint32_t q, const Vec3* slots, const Vec3*) {
-                          return m.volumes[q] * energy(m.material, gradient_at(m.stencils, q, slots));
-                      });
+    return sum_points(m, x, work, threads,
+                      [&](const PointState& p) { return m.volumes[p.q] * energy(m.material, p.F); });
 }
 
 double stabilization_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
@@ -190,11 +212,9 @@ double stabilization_energy(const Model& m, std::span<const Vec3> x, ForceWorksp
         });
     }
     if (has_nodal(m))
-        U += sum_points(
-            m, x, {}, work, threads,
-            [&](const Stencils::Block& block, std::uint32_t q, const Vec3* slots, const Vec3*) {
-                return m.nodal.kappa[q] > 0 ? nodal_energy(m, block, q, gradient_at(m.stencils, q, slots), slots) : 0.0;
-            });
+        U += sum_points(m, x, work, threads, [&](const PointState& p) {
+            return m.nodal.kappa[p.q] > 0 ? nodal_energy(m, p.block, p.q, p.F, p.x) : 0.0;
+        });
     return U;
 }
 
@@ -202,18 +222,16 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
                        ForceWorkspace& work, const Threads& threads, std::span<Vec3> f) {
     if (beta <= 0) v = {};
     work.block_power.assign(m.stencils.blocks.size(), 0);
-    const auto point = [&](const Stencils::Block& block, std::uint32_t q, const Vec3* sx, const Vec3* sv, Vec3* sf) {
-        Mat3 F = gradient_at(m.stencils, q, sx);
-        Mat3 P = stress(m.material, F);
-        if (sv) {
-            const Mat3 F_rate = gradient_at(m.stencils, q, sv);
-            const Mat3 P_viscous = viscous_stress(m.material.lame, F, F_rate, beta);
-            work.block_power[&block - m.stencils.blocks.data()] += m.volumes[q] * contract(P_viscous, F_rate);
+    const auto point = [&](const PointState& p, Double4* f_slots) {
+        Mat3 F = p.F, P = stress(m.material, F);
+        if (p.v) {
+            const Mat3 P_viscous = viscous_stress(m.material.lame, F, p.F_rate, beta);
+            work.block_power[&p.block - m.stencils.blocks.data()] += m.volumes[p.q] * contract(P_viscous, p.F_rate);
             P += P_viscous;
-            F += beta * F_rate;
+            F += beta * p.F_rate;
         }
-        scatter(m.stencils, q, m.volumes[q] * P, sf);
-        if (has_nodal(m) && m.nodal.kappa[q] > 0) nodal_forces(m, block, q, F, {sx, sv, beta}, 1, sf);
+        if (has_nodal(m) && m.nodal.kappa[p.q] > 0) nodal_forces(m, p.block, p.q, F, {p.x, p.v, beta}, 1, f_slots);
+        return m.volumes[p.q] * P;
     };
     scatter_points(m, x, v, work, threads, f, point);
     if (has_filter(m)) add_filter_forces(m, x, v, beta, -1, work, threads, f);
@@ -226,11 +244,10 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
 
 void stiffness_action(const Model& m, std::span<const Vec3> x, std::span<const Vec3> d, ForceWorkspace& work,
                       const Threads& threads, std::span<Vec3> out) {
-    const auto point = [&](const Stencils::Block& block, std::uint32_t q, const Vec3* sx, const Vec3* sd, Vec3* sf) {
-        const Mat3 F = gradient_at(m.stencils, q, sx), dF = gradient_at(m.stencils, q, sd);
-        scatter(m.stencils, q, -m.volumes[q] * stress_action(m.material, F, dF), sf);
-        if (!has_nodal(m) || m.nodal.kappa[q] == 0) return;
-        nodal_forces(m, block, q, dF, {sd, nullptr, 0}, -1, sf);
+    const auto point = [&](const PointState& p, Double4* f_slots) {
+        if (has_nodal(m) && m.nodal.kappa[p.q] > 0)
+            nodal_forces(m, p.block, p.q, p.F_rate, {p.v, nullptr, 0}, -1, f_slots);
+        return -m.volumes[p.q] * stress_action(m.material, p.F, p.F_rate);
     };
     scatter_points(m, x, d, work, threads, out, point);
     if (has_filter(m)) add_filter_forces(m, d, {}, 0, 1, work, threads, out);

@@ -3,13 +3,14 @@
 #include <span>
 #include <vector>
 
+#include "base/simd.h"
 #include "model/model.h"
 
 namespace phyxel {
 
 /// Work arrays of the force evaluation of one body, kept between steps.
 struct ForceWorkspace {
-    std::vector<Vec3> slot_x, slot_v, slot_f;           ///< [slots] what a block gathers and scatters
+    std::vector<Double4> slot_x, slot_v, slot_f;        ///< [slots] what a block gathers and scatters
     std::vector<double> block_power;                    ///< [blocks] viscous power
     std::vector<Vec3> moved, filtered, twice_filtered;  ///< [nodes] x, (I - Phi) x and (I - Phi)^2 x
 };
