@@ -46,7 +46,7 @@ inline std::vector<double> frequencies(const Model& m) {
 
 /// The largest angular frequency at rest [1/s], by Lanczos iteration in the metric of the masses with full
 /// reorthogonalization; `steps` of it.
-inline double largest_frequency(const Model& m, int steps = 150) {
+inline double largest_frequency(const Model& m, int steps = 100) {
     const std::size_t n = m.rest.size();
     const Threads threads(2);
     ForceWorkspace work;
