@@ -32,7 +32,7 @@ struct WorldSettings {
     ParallelFor parallel_for{};  ///< the caller's own task system; empty: a pool of `threads`
 };
 
-/// Energies of all bodies [J]. Dissipated and external amounts are totals since the start.
+/// Energies of all bodies in the world [J]. Dissipated and external amounts are totals since each body was added.
 struct EnergyLedger {
     double kinetic = 0, elastic = 0, stabilization = 0, constraint = 0, gravitational = 0;
     double plastic = 0, fracture = 0, contact = 0, friction = 0, damping = 0;

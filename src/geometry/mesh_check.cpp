@@ -95,17 +95,17 @@ void measure_topology(const TriangleMesh& mesh, MeshReport& r) {
     }
 }
 
-/// Whether the winding number is 1 just inside and 0 just outside, tried at up to 256 triangles: not so for a shell
-/// within solid material, or for surfaces that cross exactly along their edges.
-bool is_simple_by_samples(const TriangleMesh& mesh, const WindingNumber& winding_number) {
-    const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / 256);
-    for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        const Vec3 normal = cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]);
-        const Vec3 offset = 1e-4 * std::sqrt(norm(normal)) * normalized(normal);
-        const Vec3 x = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
-        if (offset == Vec3{}) continue;
-        if (std::abs(winding_number(x - offset) - 1) > 0.5 || std::abs(winding_number(x + offset)) > 0.5) return false;
+/// Whether each shell of closed surfaces that do not cross is either outermost or a cavity, so that the winding number
+/// is 1 inside and 0 outside. As nothing crosses, the winding number of all other shells is the same all over a shell:
+/// one vertex of it decides, however close the others come.
+bool shells_are_nested_as_cavities(const TriangleMesh& mesh, const WindingNumber& of_all) {
+    const std::vector<TriangleMesh> shells = split_components(mesh);
+    if (shells.size() == 1) return true;  // oriented outward before
+    for (const TriangleMesh& shell : shells) {
+        const Vec3 place = shell.vertices[shell.triangles[0][0]];
+        const double others = of_all(place) - WindingNumber(shell)(place);
+        const double expected = signed_volume(shell) > 0 ? 0 : 1;
+        if (std::abs(others - expected) > 0.5) return false;
     }
     return true;
 }
@@ -124,7 +124,7 @@ void decide(CheckedMesh& checked) {
     const WindingNumber winding_number(checked.mesh);
     const Vec3 size = r.upper - r.lower;
     checked.closed_and_simple = r.closed() && r.nonmanifold_edges == 0 && r.oriented() && r.self_intersections == 0 &&
-                                is_simple_by_samples(checked.mesh, winding_number);
+                                shells_are_nested_as_cavities(checked.mesh, winding_number);
     double doubtful = 0;
     if (checked.closed_and_simple) {
         r.volume = std::abs(r.signed_volume);
@@ -142,6 +142,9 @@ void decide(CheckedMesh& checked) {
                     " % of the inside is in doubt): close the hole in the program that made the mesh";
     }
     r.can_be_simulated = r.refusal.empty();
+    if (r.can_be_simulated && !checked.closed_and_simple && r.closed() && r.self_intersections == 0)
+        r.repairs.push_back(
+            "shells that lie within each other's solid, or faces inside of it, count once, by the winding number");
     if (r.can_be_simulated && !r.closed())
         r.repairs.push_back(count(r.holes, "hole", "holes") + " closed by the winding number, the largest around " +
                             text(r.hole_places[0]));

@@ -96,6 +96,30 @@ std::size_t count_components(const TriangleMesh& mesh) {
     return components;
 }
 
+std::vector<TriangleMesh> split_components(const TriangleMesh& mesh) {
+    constexpr std::uint32_t none = 0xffffffff;
+    DisjointSets sets(mesh.vertices.size());
+    for (const auto& [a, b, c] : mesh.triangles) sets.unite(a, b), sets.unite(a, c);
+    std::vector<TriangleMesh> parts;
+    std::vector<std::uint32_t> part_of(mesh.vertices.size(), none), local(mesh.vertices.size(), none);
+    for (const Triangle& t : mesh.triangles) {
+        std::uint32_t& part = part_of[sets.find(t[0])];
+        if (part == none) part = static_cast<std::uint32_t>(parts.size()), parts.emplace_back();
+        TriangleMesh& target = parts[part];
+        Triangle moved{};
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            std::uint32_t& v = local[t[corner]];
+            if (v == none) {
+                v = static_cast<std::uint32_t>(target.vertices.size());
+                target.vertices.push_back(mesh.vertices[t[corner]]);
+            }
+            moved[corner] = v;
+        }
+        target.triangles.push_back(moved);
+    }
+    return parts;
+}
+
 std::size_t count_nonmanifold_vertices(const TriangleMesh& mesh, const EdgeTable& edges) {
     // Corners at a vertex are joined across edges of two triangles; a vertex with more than one set is no fan
     DisjointSets corners(3 * mesh.triangles.size());

@@ -51,6 +51,9 @@ std::vector<Hole> find_holes(const TriangleMesh& mesh, const EdgeTable& edges); 
 /// Parts of the surface that share no vertex.
 std::size_t count_components(const TriangleMesh& mesh);
 
+/// The connected parts of a surface, each a mesh of its own, in the order of their first triangles.
+std::vector<TriangleMesh> split_components(const TriangleMesh& mesh);
+
 /// Vertices whose triangles do not form one fan around edges of two triangles.
 std::size_t count_nonmanifold_vertices(const TriangleMesh& mesh, const EdgeTable& edges);
 

@@ -86,7 +86,8 @@ Thickness local_thickness(const TriangleMesh& mesh) {
         if (norm_squared(area) == 0) continue;
         const Vec3 centroid = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
         const Hit hit = first_exit(mesh, bvh, t, centroid, -normalized(area));
-        if (hit.cosine < smallest_cosine) continue;
+        // Faces that lie on each other have nothing between them
+        if (hit.cosine < smallest_cosine || hit.distance <= 1e-6 * std::sqrt(norm(area))) continue;
         samples.push_back({hit.distance, norm(area), centroid});
         total += norm(area);
     }

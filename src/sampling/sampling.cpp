@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/format.h"
@@ -28,10 +29,18 @@ struct Clipped {
     ClippedVolume volume;
     std::unique_ptr<WindingNumber> winding;  ///< only where the surface does not bound a volume by itself
     double pitch;                            ///< edge of a box
+    double volume_scale = 1;
 };
 
 double box_pitch(const BodySettings& settings, double spacing) {
     return settings.lattice == Lattice::bcc ? spacing / 2 : spacing;
+}
+
+/// Scales volumes, and with them the boundary's areas, so that both closure identities stay.
+void scale_volume(ClippedVolume& clipped, double factor) {
+    for (Octant& octant : clipped.octants) octant.volume *= factor;
+    for (SurfacePoint& point : clipped.boundary) point.area *= factor;
+    clipped.volume *= factor;
 }
 
 Clipped clip(const CheckedMesh& checked, const BodySettings& settings, double spacing, const Threads& threads) {
@@ -46,10 +55,13 @@ Clipped clip(const CheckedMesh& checked, const BodySettings& settings, double sp
     result.mesh = to_lattice(checked.mesh, result.frame);
     if (checked.closed_and_simple) {
         result.volume = clip_closed(result.mesh, result.pitch / 2, threads);
-    } else {
-        result.winding = std::make_unique<WindingNumber>(result.mesh);
-        result.volume = clip_by_winding_number(result.mesh, *result.winding, result.pitch / 2, threads);
+        return result;
     }
+    result.winding = std::make_unique<WindingNumber>(result.mesh);
+    result.volume = clip_by_winding_number(result.mesh, *result.winding, result.pitch / 2, threads);
+    // Sub-voxels see the volume only as well as they are small: a body must not change its mass with its spacing.
+    if (result.volume.volume > 0) result.volume_scale = checked.report.volume / result.volume.volume;
+    scale_volume(result.volume, result.volume_scale);
     return result;
 }
 
@@ -121,7 +133,7 @@ void add_point(Sampling& s, const Vec3& position, double volume, std::uint32_t c
 
 /// Eight points a cell: one in each octant.
 void add_octant_points(Sampling& s, const std::vector<CellComponents::Piece>& pieces) {
-    const double whole = s.pitch * s.pitch * s.pitch / 8;
+    const double whole = s.volume_scale * s.pitch * s.pitch * s.pitch / 8;
     for (const auto& piece : pieces) {
         const bool is_whole = std::abs(piece.volume / whole - 1) <= 1 - whole_share;
         add_point(s, is_whole ? gauss_point(piece.octant, s.pitch) : piece.centroid, piece.volume, piece.cell, no_index,
@@ -131,7 +143,7 @@ void add_octant_points(Sampling& s, const std::vector<CellComponents::Piece>& pi
 
 /// One point in each box of a body-centred lattice: four a node.
 void add_box_points(Sampling& s, const std::vector<double>& cell_volume) {
-    const double whole = s.pitch * s.pitch * s.pitch;
+    const double whole = s.volume_scale * s.pitch * s.pitch * s.pitch;
     for (std::uint32_t c = 0; c < s.cell_box.size(); ++c) {
         if (cell_volume[c] <= 0) continue;
         const bool is_whole = std::abs(cell_volume[c] / whole - 1) <= 1 - whole_share;
@@ -165,7 +177,7 @@ void add_node_points(Sampling& s, std::vector<double> cell_volume) {
             node_volume[first] += volume / 2, node_volume[second] += volume / 2;
         else if (first != no_index || second != no_index) node_volume[first != no_index ? first : second] += volume;
     }
-    const double whole = s.spacing * s.spacing * s.spacing / (s.lattice == Lattice::bcc ? 2 : 1);
+    const double whole = s.volume_scale * s.spacing * s.spacing * s.spacing / (s.lattice == Lattice::bcc ? 2 : 1);
     const auto kind = [&](std::uint32_t n) {
         return s.lattice == Lattice::bcc ? parity(s.cell_box[s.node_cell[n]]) : std::uint8_t{0};
     };
@@ -209,6 +221,7 @@ Sampling sample(const CheckedMesh& mesh, const BodySettings& settings, double sp
     s.spacing = spacing;
     s.pitch = clipped.pitch;
     s.split_boxes = components.split_boxes;
+    s.volume_scale = clipped.volume_scale;
 
     // Cells and nodes.
     std::vector<double> cell_volume;
@@ -278,13 +291,16 @@ double spacing_for_count(const CheckedMesh& mesh, const BodySettings& settings, 
         const double n = estimate_nodes(mesh.report, a, per_cell);
         a *= std::cbrt(n / target);
     }
-    for (int i = 0; i < 8; ++i) {
+    double best = a, best_error = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 12 && best_error >= 0.02; ++i) {
         guard_memory(mesh.report, box_pitch(settings, a), a, per_cell);
         const Clipped clipped = clip(mesh, settings, a, threads);
         const auto found = static_cast<double>(count_nodes(clipped.volume, settings.lattice, smallest_share));
-        if (std::abs(found / target - 1) < 0.02 || found == 0) break;
-        a *= std::cbrt(found / target);
+        const double error = std::abs(found / target - 1);
+        if (found >= 4 && error < best_error) best = a, best_error = error;
+        a *= found < 4 ? 0.8 : std::cbrt(found / target);
     }
+    a = best;
     return a;
 }
 

@@ -50,8 +50,9 @@ struct Sampling {
     std::vector<SurfacePoint> boundary;        ///< closed boundary of the clipped region
     std::vector<std::uint32_t> boundary_cell;  ///< [boundary]
     double clipped_volume = 0;                 ///< [m^3] sum of `volumes`
-    std::size_t split_boxes = 0;               ///< boxes that hold more than one cell
-    std::size_t merged_octants = 0;            ///< slivers that went to a neighbour
+    double volume_scale = 1;         ///< what clipped volumes were multiplied with, to be those of the checked mesh
+    std::size_t split_boxes = 0;     ///< boxes that hold more than one cell
+    std::size_t merged_octants = 0;  ///< slivers that went to a neighbour
 
     /// The cell at a point of the surface, looked for a little inside of it.
     std::uint32_t locate(const Vec3& position, const Vec3& outward) const;
@@ -65,7 +66,8 @@ struct Sampling {
 /// than four nodes or all of them in a plane.
 Sampling sample(const CheckedMesh& mesh, const BodySettings& settings, double spacing, const Threads& threads);
 
-/// Node spacing that gives about `settings.count` nodes (within 3 %).
+/// Node spacing that gives about `settings.count` nodes: within 2 % where the lattice allows it, else the nearest
+/// found. (The nodes of a cube on its lattice are (n + 1)^3 and nothing between.)
 double spacing_for_count(const CheckedMesh& mesh, const BodySettings& settings, const Threads& threads);
 
 /// `counts` whole cubic cells with one node and one point each, the thesis' bodies: nothing is clipped.

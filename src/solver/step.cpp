@@ -95,9 +95,10 @@ std::string update_limit(DynamicBody& b, const Surroundings& around, const Threa
     const double omega = b.frequency.estimate(b.model, b.state.x, warm_iterations, b.work, threads);
     if (!std::isfinite(omega)) return "its stiffness is beyond all numbers";
     // A step that changes all the time gains or loses energy, up to a quarter of it in 1e5 steps against 1e-5 with a
-    // constant one: only a limit that is off by a tenth is followed.
+    // constant one: the limit is followed down when it is off by a tenth, and up again only when it is far off, so that
+    // it does not swing with the motion.
     const double limit = std::min(b.rest_step, stable_step(omega, around.stiffness_damping));
-    if (std::abs(limit / b.step_limit - 1) > 0.1) b.step_limit = limit;
+    if (limit < 0.9 * b.step_limit || limit > 1.5 * b.step_limit) b.step_limit = limit;
     if (b.step_limit < shortest_share * b.rest_step)
         return "it is crushed: stable substeps fell from " + format_number(b.rest_step) + " s at rest to " +
                format_number(b.step_limit) + " s";
@@ -177,6 +178,7 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
             return report;
         }
         restore(bodies, before);
+        for (const auto& b : bodies) b->constraints.start_measuring();
         ++report.retries;
         if (report.substep <= shortest_substep(bodies)) break;
     }

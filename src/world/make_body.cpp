@@ -45,7 +45,7 @@ void warn_of_stencils(const StencilReport& report, World::Parts& parts) {
     if (!report.consistent)
         parts.warn("the consistency correction stopped at a patch error of " + format_number(report.consistency_after) +
                    " (from " + format_number(report.consistency_before) +
-                   "): local stress near the surface is less accurate");
+                   "): stress near the surface is wrong by about that share, and a finer spacing helps");
 }
 
 /// The surface that is handed out: the caller's own vertices and triangles, seams included, unless triangles had to be
@@ -147,9 +147,6 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     const double spacing =
         settings.spacing > 0 ? settings.spacing : spacing_for_count(checked, settings, parts.threads);
     Sampling sampling = sample(checked, settings, spacing, parts.threads);
-    // Where the surface crosses itself or is open, the region of winding number above 1/2 is known as well as it was
-    // sampled.
-    if (!checked.closed_and_simple) mesh_report.volume = sampling.clipped_volume;
     warn_of_thin_parts(checked.mesh, spacing, parts);
 
     auto body = std::make_unique<DynamicBody>();

@@ -40,7 +40,6 @@ struct World::Parts {
     std::vector<Probe> probes;
     std::map<std::string, std::size_t> warnings;
     double measured_seconds = 0;  ///< [s] that the last step advanced
-    Exchanged lost_with_bodies;   ///< of bodies that were removed
     double largest_energy = 0;    ///< [J] seen so far
 
     std::size_t index_of(BodyId id) const;
@@ -48,9 +47,8 @@ struct World::Parts {
     const DynamicBody& body(BodyId id) const { return *bodies[index_of(id)]; }
     void warn(const std::string& message, std::size_t count = 1) { warnings[message] += count; }
 
-    /// Energies of all bodies without the balance; work arrays of the bodies change.
+    /// Energies of all bodies. Remembers the largest of them, which `balance_error` is relative to.
     EnergyLedger ledger();
-    void note_energy();
 };
 
 }  // namespace phyxel

@@ -9,7 +9,7 @@ namespace phyxel {
 
 EnergyLedger World::Parts::ledger() {
     EnergyLedger sum;
-    Exchanged exchanged = lost_with_bodies;
+    Exchanged exchanged;
     double start = 0, gravity_at_start = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         DynamicBody& body = *bodies[i];
@@ -35,8 +35,6 @@ EnergyLedger World::Parts::ledger() {
     sum.balance_error = largest_energy > 0 ? std::abs(missing) / largest_energy : 0;
     return sum;
 }
-
-void World::Parts::note_energy() { (void)ledger(); }
 
 EnergyLedger World::energy() const { return parts_->ledger(); }
 

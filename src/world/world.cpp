@@ -69,7 +69,7 @@ BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     info.id = {static_cast<std::uint32_t>(free - p.slots.begin()), free->generation};
     p.bodies.push_back(std::move(body));
     p.infos.push_back(std::move(info));
-    p.note_energy();
+    p.ledger();
     return p.infos.back().id;
 }
 
@@ -164,7 +164,7 @@ StepReport World::advance(double seconds) {
         p.time += one.advanced;
         if (one.advanced > 0) p.measured_seconds = one.advanced;
         if (one.retries > 0) p.warn("steps that were thrown away and cut into smaller ones", one.retries);
-        p.note_energy();
+        p.ledger();
         left -= dt;
     }
     for (auto& body : p.bodies) body->surface->update(body->state.x, p.threads);
