@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "scene/table_reader.h"
@@ -64,6 +65,26 @@ toml::node* element(toml::array& array, const std::string& label) {
     return is_index && index < array.size() ? array.get(index) : nullptr;
 }
 
+/// Takes out what the file says in the place of `key`: who sets a spacing does not want the file's count.
+void drop_alternatives(toml::table& table, const std::string& key) {
+    static const std::pair<std::vector<std::string_view>, std::vector<std::string_view>> alternatives[] = {
+        {{"spacing"}, {"count"}},
+        {{"support"}, {"neighbors", "dilation"}},
+        {{"force"}, {"traction", "pressure"}},
+        {{"traction"}, {"pressure"}},
+        {{"mesh"}, {"shape"}},
+    };
+    const auto has = [&](const std::vector<std::string_view>& keys) {
+        return std::find(keys.begin(), keys.end(), key) != keys.end();
+    };
+    for (const auto& [one, other] : alternatives) {
+        if (has(one))
+            for (std::string_view k : other) table.erase(k);
+        if (has(other))
+            for (std::string_view k : one) table.erase(k);
+    }
+}
+
 }  // namespace
 
 void apply_override(const SceneText& text, toml::table& root, const std::string& argument) {
@@ -100,6 +121,7 @@ void apply_override(const SceneText& text, toml::table& root, const std::string&
 
     toml::table value = value_of(argument.substr(equals + 1), argument);
     if (toml::table* table = node->as_table()) {
+        drop_alternatives(*table, path.back());
         value.get("value")->visit([&](auto& concrete) { table->insert_or_assign(path.back(), std::move(concrete)); });
     } else {
         text.fail({.field = walked, .override = argument},

@@ -137,6 +137,16 @@ TEST(Overrides, set_replaces_adds_and_reaches_into_lists_by_name_and_by_index) {
     EXPECT_EQ(scene.title, "a = b");
 }
 
+TEST(Overrides, one_of_two_alternatives_takes_the_others_place) {
+    const Scene scene = read(with(good_scene, "[[fix]]",
+                                  "[[body]]\nname = \"counted\"\nshape = { sphere = 0.1 }\nmaterial = \"jelly\"\n"
+                                  "sampling = { count = 500 }\nkernel = { neighbors = 20 }\n\n[[fix]]"),
+                             {"body.counted.sampling.spacing=0.01", "body.counted.kernel.support=2"});
+    EXPECT_EQ(scene.bodies[1].settings.spacing, 0.01);
+    EXPECT_EQ(scene.bodies[1].settings.kernel.support, 2);
+    EXPECT_EQ(scene.bodies[1].settings.kernel.neighbors, 0);
+}
+
 TEST(Overrides, a_key_is_named_by_its_last_setting) {
     EXPECT_EQ(read(good_scene, {"simulation.duration=1", "simulation.duration=2"}).simulation.duration, 2);
 }
