@@ -80,12 +80,17 @@ std::vector<char> BoxGrid::deep_cells(const Sampling& s, int reach) const {
 }
 
 std::vector<std::uint32_t> sort_into_blocks(Sampling& s, int edge) {
-    Index3 low = s.cell_box.front();
+    Index3 low = s.cell_box.front(), high = low, size{};
     for (const Index3& box : s.cell_box)
-        for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], box[c]);
+        for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], box[c]), high[c] = std::max(high[c], box[c]);
+    for (int c = 0; c < 3; ++c) {
+        // Equal parts: a body a little longer than one block is one block, not a whole one and a rest.
+        const int extent = high[c] - low[c] + 1, parts = std::max(1, (extent + edge / 2) / edge);
+        size[c] = (extent + parts - 1) / parts;
+    }
     std::vector<Index3> block(s.points.size());
     for (std::size_t q = 0; q < block.size(); ++q)
-        for (int c = 0; c < 3; ++c) block[q][2 - c] = (s.cell_box[s.point_cell[q]][c] - low[c]) / edge;
+        for (int c = 0; c < 3; ++c) block[q][2 - c] = (s.cell_box[s.point_cell[q]][c] - low[c]) / size[c];
     std::vector<std::uint32_t> order(s.points.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) {

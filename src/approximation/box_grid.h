@@ -23,8 +23,8 @@ private:
     std::vector<std::uint32_t> first_;
 };
 
-/// Sorts the points of `sampling` so that those of one block of `edge`^3 boxes follow each other; returns where each
-/// block begins, and the number of points at the end.
+/// Sorts the points of `sampling` so that those of one block of about `edge`^3 boxes follow each other; returns where
+/// each block begins, and the number of points at the end.
 std::vector<std::uint32_t> sort_into_blocks(Sampling& sampling, int edge);
 
 }  // namespace phyxel

@@ -64,8 +64,8 @@ public:
           workspaces_([this] { return std::make_unique<Workspace>(s_); }) {}
 
     StencilBuild run() {
-        // A block as wide as a stencil: its nodes are then eight times those of one support, and fit the cache.
-        const int edge = std::clamp(static_cast<int>(std::ceil(2 * settings_.support / s_.pitch)), 4, 16);
+        // Half as wide again as a stencil: a block then has five slots for each of its cells, and they fit the cache.
+        const int edge = std::clamp(static_cast<int>(std::ceil(3 * settings_.support / s_.pitch)), 4, 12);
         const std::vector<std::uint32_t> begin = sort_into_blocks(s_, edge);
         grid_.emplace(s_);
         deep_ = grid_->deep_cells(s_, static_cast<int>(std::ceil(settings_.support / s_.pitch)));

@@ -18,7 +18,11 @@ namespace saint_venant_kirchhoff_detail {
 /// Second Piola-Kirchhoff stress S [Pa] of a strain, or its change with the change of strain.
 inline Mat3 hooke(const Mat3& E, const Lame& m) { return 2 * m.mu * E + m.lambda * trace(E) * Mat3::identity(); }
 
-inline Mat3 green_strain(const Mat3& F) { return 0.5 * (transpose(F) * F - Mat3::identity()); }
+inline Mat3 green_strain(const Mat3& F) {
+    const Vec3 a = F.column(0), b = F.column(1), c = F.column(2);
+    const double ab = 0.5 * dot(a, b), ac = 0.5 * dot(a, c), bc = 0.5 * dot(b, c);
+    return {{{0.5 * (dot(a, a) - 1), ab, ac}, {ab, 0.5 * (dot(b, b) - 1), bc}, {ac, bc, 0.5 * (dot(c, c) - 1)}}};
+}
 
 }  // namespace saint_venant_kirchhoff_detail
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <regex>
 #include <set>
 
 #include "phyxel/error.h"
@@ -221,9 +220,9 @@ std::string refusal(const TriangleMesh& mesh, const BodySettings& settings, doub
 
 /// The number after "Use a spacing of".
 double recommended(const std::string& message) {
-    std::smatch match;
-    if (!std::regex_search(message, match, std::regex("[Uu]se a spacing of ([0-9.e+-]+)"))) return 0;
-    return std::stod(match[1]);
+    const std::string words = "se a spacing of ";
+    const std::size_t at = message.find(words);
+    return at == std::string::npos ? 0 : std::stod(message.substr(at + words.size()));
 }
 
 TEST(Refusals, name_a_spacing_that_works) {
