@@ -105,7 +105,8 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
     body.model.filter = timed([&] { return build_filter(body.model.sampling, body.model.approximation, threads); });
     const double a = body.model.node_length;
     for (double mass : body.model.mass)
-        body.model.filter_share.push_back(0.2 * mass / (settings.material.density * a * a));
+        body.model.filter_stiffness.push_back(0.2 * settings.material.youngs_modulus * mass /
+                                              (settings.material.density * a * a));
     body.state.x = body.model.rest;
     body.state.v.assign(body.model.rest.size(), Vec3{});
     body.surface.emplace(

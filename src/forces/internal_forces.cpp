@@ -172,8 +172,8 @@ void filter_twice(const Model& m, std::span<const Vec3> x, std::span<const Vec3>
 void add_filter_forces(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, double beta, double sign,
                        ForceWorkspace& work, const Threads& threads, std::span<Vec3> f) {
     filter_twice(m, x, v, beta, work, threads);
-    const double E = sign * m.settings.youngs_modulus;
-    threads.for_each(x.size(), node_chunk, [&](std::size_t i) { work.twice_filtered[i] *= E * m.filter_share[i]; });
+    threads.for_each(x.size(), node_chunk,
+                     [&](std::size_t i) { work.twice_filtered[i] *= sign * m.filter_stiffness[i]; });
     threads.for_each(x.size(), node_chunk,
                      [&](std::size_t i) { work.filtered[i] = row_product(m.filter.columns, i, work.twice_filtered); });
     threads.for_each(x.size(), node_chunk,
@@ -207,8 +207,8 @@ double stabilization_energy(const Model& m, std::span<const Vec3> x, ForceWorksp
     double U = 0;
     if (has_filter(m)) {
         filter_twice(m, x, {}, 0, work, threads);
-        U += 0.5 * m.settings.youngs_modulus * threads.sum(x.size(), node_chunk, [&](std::size_t i) {
-            return m.filter_share[i] * norm_squared(work.twice_filtered[i]);
+        U += 0.5 * threads.sum(x.size(), node_chunk, [&](std::size_t i) {
+            return m.filter_stiffness[i] * norm_squared(work.twice_filtered[i]);
         });
     }
     if (has_nodal(m))

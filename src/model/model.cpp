@@ -58,6 +58,7 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
     // a thousandfold.
     m.settings = settings.material;
     m.material = material_point(settings.material);
+    m.largest_modulus = settings.material.youngs_modulus;
     const double density = settings.material.density;
     double smallest =
         build.node_volumes.empty() ? 0 : *std::max_element(build.node_volumes.begin(), build.node_volumes.end());
@@ -73,7 +74,8 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
         if (grid) {
             m.filter = build_filter(m.sampling, m.approximation, threads);
             for (double mass : m.mass)
-                m.filter_share.push_back(m.stabilization * mass / (density * m.node_length * m.node_length));
+                m.filter_stiffness.push_back(m.settings.youngs_modulus * m.stabilization * mass /
+                                             (density * m.node_length * m.node_length));
         } else {
             m.nodal = build_nodal(m);
         }
@@ -82,7 +84,10 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
 }
 
 void set_material(Model& m, const Material& material) {
-    for (double& kappa : m.nodal.kappa) kappa *= material.youngs_modulus / m.settings.youngs_modulus;
+    const double ratio = material.youngs_modulus / m.settings.youngs_modulus;
+    for (double& kappa : m.nodal.kappa) kappa *= ratio;
+    for (double& stiffness : m.filter_stiffness) stiffness *= ratio;
+    m.largest_modulus = material.youngs_modulus;
     m.settings = material;
     m.material = material_point(material);
 }

@@ -16,6 +16,26 @@ struct NodalStabilization {
     std::vector<std::uint16_t> self;  ///< [points] slot of the point's own node in its block
 };
 
+/// What each quadrature point of a body of several materials is made of.
+struct Mixture {
+    std::vector<Material> materials;      ///< [1 + regions] the body's own, then the regions'
+    std::vector<std::uint32_t> offset;    ///< [points + 1] into the two below
+    std::vector<std::uint16_t> material;  ///< index into `materials`
+    std::vector<double> share;            ///< > 0; those of a point add up to 1
+    bool empty() const { return materials.empty(); }
+};
+
+/// Groups of points that share one dilatation, its mean over their volume, so that nearly incompressible material does
+/// not lock: sum_c k_c/2 V_c theta_c^2 stands in for the volumetric energy of the points.
+struct DilatationCells {
+    std::vector<std::uint32_t> cell;             ///< [points] or `no_index`: the point's own dilatation counts
+    std::vector<std::uint32_t> offset;           ///< [cells + 1] into `points`
+    std::vector<std::uint32_t> points;           ///< of each cell, ascending
+    std::vector<double> volume;                  ///< [cells] V_c [m^3]
+    std::vector<double> modulus;                 ///< [cells] k_c, volume mean of the points' [Pa]
+    bool empty() const { return cell.empty(); }  ///< every point by itself
+};
+
 /// A soft body as it was made: constant while it moves.
 struct Model {
     Sampling sampling;  ///< geometry, in the lattice frame
@@ -29,13 +49,20 @@ struct Model {
     double total_mass = 0;             ///< [kg] density times the clipped volume
     double node_length = 0;            ///< [m] edge of a cube with the volume of one node
 
-    Material settings;
-    MaterialPoint material;
+    Material settings;                           ///< the body's own, where no region says otherwise
+    MaterialPoint material;                      ///< likewise
+    Mixture mixture;                             ///< empty: `material` everywhere
+    std::vector<MaterialPoint> point_materials;  ///< [points] of a mixture; empty: `material` everywhere
+    double largest_modulus = 0;                  ///< Young's, of all materials [Pa]
+    DilatationCells dilatation;                  ///< empty unless nearly incompressible
 
-    double stabilization = 0;          ///< beta (eight points a cell) or alpha (one point a node)
-    NodeFilter filter;                 ///< eight points a cell; empty when not stabilized
-    std::vector<double> filter_share;  ///< [nodes] beta m_i / (rho a^2) [m]: stiffness over Young's modulus
-    NodalStabilization nodal;          ///< one point a node; empty when not stabilized
+    bool uniform() const { return point_materials.empty(); }
+    const MaterialPoint& point_material(std::size_t q) const { return uniform() ? material : point_materials[q]; }
+
+    double stabilization = 0;              ///< beta (eight points a cell) or alpha (one point a node)
+    NodeFilter filter;                     ///< eight points a cell; empty when not stabilized
+    std::vector<double> filter_stiffness;  ///< [nodes] beta / a^2 times the Shepard sum of E V_q [N/m]
+    NodalStabilization nodal;              ///< one point a node; empty when not stabilized
 };
 
 /// Node positions and velocities: all that changes while a body moves.
