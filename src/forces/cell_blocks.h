@@ -1,0 +1,93 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "forces/cell_groups.h"
+#include "forces/cell_kernel.h"
+
+namespace phyxel {
+
+/// Elastic forces, energy and stiffness at rest of one body in single precision, many lattice cells at a time.
+///
+/// All eight points of a lattice cell see the 4x4x4 nodes around it, so that cells side by side in the lanes of a
+/// vector need no index a pair: the nodes of a cell's window are gathered once, the gradients are read in order, and
+/// forces are summed over the window before they go back. Cells whose gradients are equal, deep in the body or along a
+/// prism, share one set of them (*uniform* chunks); others, near a curved or turned surface, read their own (*mixed*
+/// chunks), which takes as much memory as it takes time. Points of other lattices and quadratures run the same way in
+/// small groups.
+///
+/// Positions are doubles; what the lanes see are displacements from the rest shape of a block of cells, moved rigidly
+/// to where the block is, so that neither large coordinates nor rotations cost digits, and small strains keep theirs.
+///
+/// The same bits for any number of threads; not for any processor, since some fuse multiply and add. Calls share work
+/// arrays: one at a time.
+class CellBlocks {
+public:
+    CellBlocks(const Model& model, const Threads& threads, Instructions instructions = best_instructions());
+
+    /// Reads the moduli of the model again; its laws must be those of the construction.
+    void set_materials(const Model& model, const Threads& threads);
+
+    /// f = -dU/dx [N], U the elastic energy: without stabilization.
+    void forces(const Model& model, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const;
+
+    /// U [J].
+    double energy(const Model& model, std::span<const Vec3> x, const Threads& threads) const;
+
+    /// K d [N], K the elastic stiffness at rest: linear elasticity, dP = 2 mu sym(dF) + lambda tr(dF) I.
+    void rest_action(const Model& model, std::span<const Vec3f> d, const Threads& threads, std::span<Vec3f> out) const;
+
+    /// Whether points that share their dilatation are in one group each: always on cubic lattices without gaps. If not,
+    /// the parts of a cell average by themselves, another (softer or stiffer) body than the forces in double precision.
+    bool matches_model() const { return groups_.whole_dilatation_cells; }
+
+    /// What is done in one evaluation.
+    struct Counts {
+        std::size_t groups = 0, chunks = 0, uniform_chunks = 0;
+        std::size_t pairs = 0;       ///< of points and nodes, those of empty lanes not counted
+        std::size_t lane_pairs = 0;  ///< with all that the lanes compute in vain
+        std::size_t bytes = 0;       ///< of gradients and indices
+    };
+    const Counts& counts() const { return counts_; }
+
+private:
+    /// Gradients of a uniform chunk, shared by all with its shape.
+    struct Shape {
+        std::array<std::uint32_t, 9> pair_begin{};
+        std::vector<std::uint16_t> entry;
+        std::vector<float> gradient;
+    };
+    /// Groups near to each other, with slots for the nodes that they see.
+    struct Block {
+        std::vector<CellChunk> chunks;
+        std::vector<std::uint32_t> lane_group;  ///< [chunks][lanes] group in a lane, `no_index` for none
+        std::vector<std::uint16_t> slot, entry;
+        std::vector<float> gradient, lame, volume_stiffness, share;
+        std::uint32_t slot_begin = 0, slot_end = 0;  ///< into `slot_node_`; the first stands for missing nodes
+        bool moves = false;                          ///< its laws follow rotations
+    };
+    struct BlockBuilder;
+
+    void transpose_slots(std::size_t nodes);
+    void fill_moduli(const Model& model, const CellGroups::Group& group, Block& block, std::size_t chunk,
+                     std::size_t lane) const;
+    Mat3 move_to_slots(const Model& model, const Block& block, std::span<const Vec3> x, Float4* u) const;
+    double run(const Block& block, CellTask task) const;
+
+    CellGroups groups_;
+    Instructions instructions_;
+    std::size_t lanes_;
+    CellKernel kernel_;
+    double length_ = 1, stiffness_ = 1;  ///< units of the lanes: spacing [m], largest V times modulus [J]
+    std::vector<Shape> shapes_;          ///< [shapes] empty where no chunk is uniform
+    std::vector<Block> blocks_;
+    std::vector<std::uint32_t> slot_node_;         ///< [slots] `no_index` for the first of each block
+    std::vector<std::uint32_t> node_slot_offset_;  ///< [nodes + 1] into `node_slots_`
+    std::vector<std::uint32_t> node_slots_;
+    std::size_t largest_window_ = 0;
+    Counts counts_;
+    mutable std::vector<Float4> u_, f_;  ///< [slots]
+};
+
+}  // namespace phyxel

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "base/float_lanes.h"
+#include "phyxel/material.h"
+
+namespace phyxel {
+
+/// Eight or sixteen groups of points side by side, one a lane, and all that is needed to go from the displacements of
+/// the nodes in their windows to the forces on them. A *uniform* chunk has one gradient for all lanes, a *mixed* one a
+/// gradient for each.
+struct CellChunk {
+    const std::uint16_t* slot;      ///< [entries][lanes] slot of a window's node in the block
+    const std::uint16_t* entry;     ///< [pairs] entries that the points see, one point after another
+    const float* gradient;          ///< [pairs][3] or [pairs][3][lanes], times the spacing
+    const float* lame;              ///< [8][2][lanes] V lambda and V mu, over the unit of stiffness
+    const float* volume_stiffness;  ///< [8][lanes] V k_v, likewise; null where there is none
+    const float* share;  ///< [8][lanes] V over the group's, where its points share one dilatation; null elsewhere
+    std::array<std::uint32_t, 9> pair_begin;  ///< of each point, and the end
+    std::uint32_t entries;
+    bool uniform;
+    Law law;
+};
+
+enum class CellTask {
+    forces,       ///< adds those of the chunks' points to the slots
+    energy,       ///< no more than the energy
+    rest_action,  ///< adds the stiffness at rest times the displacements, whatever the law: Hooke's
+};
+
+/// Does `task` for the chunks of a block at the displacements `u` of its slots, in spacings; returns the energy if that
+/// is the task. `scratch`: twice [largest number of entries][3][lanes].
+using CellKernel = double (*)(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f,
+                              float* scratch);
+
+/// Lanes a chunk has for some instructions.
+std::size_t cell_lanes(Instructions instructions);
+
+CellKernel cell_kernel(Instructions instructions);
+
+/// One for each set of instructions; sixteen lanes without special instructions are for tests.
+double cell_kernel_plain(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
+double cell_kernel_avx2(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
+double cell_kernel_avx512(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
+
+}  // namespace phyxel

@@ -1,0 +1,22 @@
+#include "forces/cell_kernel.h"
+
+#include "base/polar.h"
+
+#if defined(__x86_64__)
+
+PHYXEL_BEGIN_TARGET(PHYXEL_AVX512)
+
+#include "forces/cell_kernel_body.h"
+
+namespace phyxel {
+
+double cell_kernel_avx512(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f,
+                          float* scratch) {
+    return CellKernelBody<Avx512Lanes>::run(chunks, task, u, f, scratch);
+}
+
+}  // namespace phyxel
+
+PHYXEL_END_TARGET
+
+#endif

@@ -1,0 +1,13 @@
+#include "forces/cell_kernel.h"
+
+#include "base/polar.h"
+
+#include "forces/cell_kernel_body.h"
+
+namespace phyxel {
+
+double cell_kernel_plain(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {
+    return CellKernelBody<PlainLanes<EightFloats>>::run(chunks, task, u, f, scratch);
+}
+
+}  // namespace phyxel
