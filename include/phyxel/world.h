@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,16 +15,25 @@
 namespace phyxel {
 
 enum class Integrator {
-    leap_frog,  ///< velocities at half steps; the thesis' choice
-    verlet,     ///< velocity Verlet; the same trajectory, velocities at whole steps
+    leap_frog,       ///< explicit: velocities at half steps; the thesis' choice (Stegmayr 2008)
+    verlet,          ///< explicit: velocity Verlet; the same trajectory, velocities at whole steps
+    implicit_euler,  ///< the nonlinear backward Euler step: any step holds, motion is damped by the integrator; default
+    bdf2,            ///< second order in the step, damps far less
+    statics,         ///< equilibrium with the loads and grips at the end of the step; no motion
 };
+
+/// Whether an integrator's steps must stay below a bound that stiffness and spacing set.
+constexpr bool is_explicit(Integrator integrator) {
+    return integrator == Integrator::leap_frog || integrator == Integrator::verlet;
+}
 
 /// Runs `task(0) ... task(count - 1)`, in any order and on any threads, and returns when all are done.
 using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
 
 struct WorldSettings {
-    double time_step = 1.0 / 60;  ///< what `step()` advances [s]; divided evenly into stable substeps
-    Vec3 gravity{0, -9.81, 0};    ///< [m/s^2]
+    double time_step =
+        1.0 / 60;  ///< what `step()` advances [s]; explicit integrators divide it evenly into stable substeps
+    Vec3 gravity{0, -9.81, 0};  ///< [m/s^2]
     Integrator integrator = Integrator::leap_frog;
     double mass_damping = 0;  ///< Rayleigh alpha [1/s]; raising it slows all motion, falling included
     double stiffness_damping =
@@ -56,11 +66,13 @@ enum class StepStatus {
 struct StepReport {
     StepStatus status = StepStatus::ok;
     std::string message;
-    double advanced = 0;       ///< simulated seconds
-    std::size_t substeps = 0;  ///< explicit steps taken
-    std::size_t retries = 0;   ///< times a step was thrown away and cut into smaller ones
-    double substep = 0;        ///< the last one [s]
-    std::size_t contacts = 0;  ///< surface samples touching a collider at the end
+    double advanced = 0;                                  ///< simulated seconds
+    std::size_t substeps = 0;                             ///< steps of the integrator
+    std::size_t retries = 0;                              ///< times a step was thrown away and cut into smaller ones
+    double substep = 0;                                   ///< the last one [s]
+    std::size_t contacts = 0;                             ///< surface samples touching a collider at the end
+    std::size_t newton_iterations = 0, newton_worst = 0;  ///< of Newton's method and L-BFGS, all and in one solve
+    std::size_t linear_iterations = 0, linear_worst = 0;  ///< of conjugate gradients, all and in one Newton iteration
 };
 
 /// Counts and sizes of one body.
@@ -127,11 +139,12 @@ public:
     StepReport advance(double seconds);  ///< by as many steps as needed
     void set_gravity(const Vec3& gravity);
     void set_velocity(BodyId body, const Vec3& velocity);
-    void set_material(BodyId body, const Material& material);  ///< same density
+    /// Changes the body's own material, or that of its region number `region` (from 0); same density.
+    void set_material(BodyId body, const Material& material, std::optional<std::size_t> region = {});
 
     // --- reading
-    double time() const;                                      ///< [s]
-    double stable_substep() const;                            ///< [s] of all bodies together
+    double time() const;            ///< [s]
+    double stable_substep() const;  ///< [s] of all bodies together; implicit and static worlds: `time_step`
     std::span<const Vec3> rest_positions(BodyId body) const;  ///< [nodes] [m]
     std::span<const Vec3> positions(BodyId body) const;       ///< [nodes] [m]
     std::span<const Vec3> velocities(BodyId body) const;      ///< [nodes] [m/s]

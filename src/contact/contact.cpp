@@ -10,7 +10,6 @@
 namespace phyxel {
 namespace {
 
-constexpr double stiffness_share = 0.5;    ///< beta; the explicit bound is 4, less what elasticity takes
 constexpr int friction_sweeps = 10;        ///< of Gauss-Seidel; a body at rest or sliding needs two or three
 constexpr double friction_settled = 1e-3;  ///< largest change of slip in a sweep, against the first, that ends them
 constexpr int group_edge = 4;              ///< boxes of the lattice along the edge of a group of samples
@@ -131,8 +130,7 @@ std::vector<ContactSamples::Touch> ContactSamples::touches(std::span<const Colli
             for (std::uint32_t c : near) {
                 const Distance d = colliders[c].distance(position);
                 if (!(d.value < 0)) continue;
-                const double push = stiffness_share / (step_squared_ * inverse_mass_[s]) * -d.value;
-                found[g].push_back({s, c, -d.value, push, d.normal});
+                found[g].push_back({s, c, -d.value, stiffness(s) * -d.value, d.normal});
             }
         }
     });
@@ -145,9 +143,7 @@ std::vector<ContactSamples::Touch> ContactSamples::add_forces(std::span<const Co
                                                               std::span<const Vec3> x, const Threads& threads,
                                                               std::span<Vec3> f) const {
     std::vector<Touch> all = touches(colliders, x, threads);
-    for (const Touch& touch : all)
-        for (std::uint32_t k = samples_.offset[touch.sample]; k < samples_.offset[touch.sample + 1]; ++k)
-            f[samples_.node[k]] += samples_.phi[k] * touch.push * touch.normal;
+    for (const Touch& touch : all) spread(touch.sample, touch.push * touch.normal, f);
     return all;
 }
 

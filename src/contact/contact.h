@@ -41,6 +41,25 @@ public:
     void add_friction(std::span<const Collider> colliders, std::span<const Touch> touches, double dt, std::span<Vec3> v,
                       std::span<Vec3> impulse) const;
 
+    // --- implicit and static solvers
+
+    /// Changes the stiffness of the samples to k_s = share / (step^2 w_s).
+    void set_stiffness(double share, double step) { stiffness_share_ = share, step_squared_ = step * step; }
+
+    /// Adds the second derivative of the contact energy applied to `d`, k n n^T of each of `touches` (the curvature of
+    /// obstacles is left out, so that it is never negative).
+    void add_action(std::span<const Touch> touches, std::span<const Vec3> d, std::span<Vec3> out) const;
+
+    /// Coulomb friction as the derivative of sum_s mu f_n phi(|u|), u the slip of the sample since `start`, tangential:
+    /// phi' = 1 from |u| = `reach` on, 2 y - y^2 with y = |u|/reach below (Li et al. 2020, Incremental Potential
+    /// Contact, eq. 15). `touches` hold the normals and the normal forces that it works with.
+    void add_smooth_friction(std::span<const Collider> colliders, std::span<const Touch> touches, double reach,
+                             std::span<const Vec3> x, std::span<const Vec3> start, std::span<Vec3> f) const;
+    /// Adds the positive semidefinite part of its second derivative applied to `d`.
+    void add_smooth_friction_action(std::span<const Collider> colliders, std::span<const Touch> touches, double reach,
+                                    std::span<const Vec3> x, std::span<const Vec3> start, std::span<const Vec3> d,
+                                    std::span<Vec3> out) const;
+
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
     double deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
 
@@ -48,6 +67,12 @@ public:
     double energy(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
 
 private:
+    double stiffness(std::size_t sample) const { return stiffness_share_ / (step_squared_ * inverse_mass_[sample]); }
+    /// Adds a force at a sample to the nodes that carry it.
+    void spread(std::size_t sample, const Vec3& force, std::span<Vec3> f) const {
+        for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
+            f[samples_.node[k]] += samples_.phi[k] * force;
+    }
     std::vector<Touch> touches(std::span<const Collider> colliders, std::span<const Vec3> x,
                                const Threads& threads) const;
 
@@ -62,6 +87,7 @@ private:
     std::vector<double> inverse_mass_;       ///< [samples] w_s [1/kg]
     std::vector<double> own_inverse_mass_;   ///< [samples] sum phi^2/m, that of the sample alone [1/kg]
     std::vector<double> node_inverse_mass_;  ///< [nodes] [1/kg]
+    double stiffness_share_ = 0.5;           ///< beta; the explicit bound is 4, less what elasticity takes
     double step_squared_ = 0;                ///< dt^2 of the stiffness [s^2]
 };
 

@@ -19,6 +19,9 @@ struct NodePlane {
 /// Distance from a node plane within which a piece of surface counts as lying in it, in pitches.
 constexpr double plane_tolerance = 1e-3;
 
+/// Stiffness of a patch that is held by a penalty, over E A / a.
+constexpr double penalty_factor = 1000;
+
 bool in_plane(const Vec3& p, const NodePlane& plane, double pitch) {
     return std::abs(p[plane.axis] - plane.coordinate) <= plane_tolerance * pitch;
 }
@@ -102,7 +105,7 @@ std::size_t Constraints::add(const Model& model, const TriangleMesh& mesh, const
     const std::size_t before = rows_.size();
     if (const auto plane = find_plane(selection, model.sampling))
         for (std::uint32_t node : nodes_of_plane(model, selection, *plane))
-            rows_.push_back({number, {node}, {1.0}, model.rest[node]});
+            rows_.push_back({number, {node}, {1.0}, model.rest[node], 0});
     if (rows_.size() == before) {
         // No node plane: one average a cell.
         const EmbeddedPoints points =
@@ -114,7 +117,7 @@ std::size_t Constraints::add(const Model& model, const TriangleMesh& mesh, const
             for (std::size_t s : pieces) area += norm(selection.area[s]);
             if (area < 1e-6 * model.sampling.pitch * model.sampling.pitch && patches.size() > 1) continue;
             std::map<std::uint32_t, double> coefficients;
-            Row row{number, {}, {}, {}};
+            Row row{number, {}, {}, {}, penalty_factor * model.largest_modulus * area / model.node_length};
             for (std::size_t s : pieces) {
                 const double share = norm(selection.area[s]) / area;
                 for (std::uint32_t k = points.offset[s]; k < points.offset[s + 1]; ++k)
@@ -184,20 +187,23 @@ void Constraints::project(double time, double dt, std::span<const Vec3> x, std::
         const Eigen::VectorXd lambda = factor.ldlt.solve(missing);
         for (std::size_t k = 0; k < factor.rows.size(); ++k) {
             const Row& row = rows_[factor.rows[k]];
-            HeldFix& fix = fixes_[row.fix];
-            const double push = lambda[static_cast<Eigen::Index>(k)];
+            const double force = lambda[static_cast<Eigen::Index>(k)];
             for (std::size_t i = 0; i < row.node.size(); ++i) {
-                const double share = push * row.coefficient[i];
+                const double share = force * row.coefficient[i];
                 v[row.node[i]][d] += share * inverse_mass_[row.node[i]];
                 impulse[row.node[i]][d] += share / left;
             }
             Vec3 along{};
-            along[d] = push / left;
-            fix.force_impulse += along;
-            fix.torque_impulse +=
-                cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), along);
+            along[d] = force / left;
+            push(row, along, time);
         }
     }
+}
+
+void Constraints::push(const Row& row, const Vec3& impulse, double time) {
+    HeldFix& fix = fixes_[row.fix];
+    fix.force_impulse += impulse;
+    fix.torque_impulse += cross(fix.motion.place(row.rest, time) - fix.motion.place(fix.rest_center, time), impulse);
 }
 
 void Constraints::add_to(Hasher& hasher) const {

@@ -47,6 +47,34 @@ public:
     void project(double time, double dt, std::span<const Vec3> x, std::span<Vec3> v, std::span<Vec3> impulse,
                  double left = 1);
 
+    // --- implicit and static solvers: nodes of node planes are held directly, patch averages by the penalty
+    // k/2 |sum c x - target|^2 with k = 1000 E A / a (the result does not depend on the factor from 100 to 1e7).
+
+    /// [nodes] 1 for components that may move, 0 for held ones.
+    std::vector<Vec3> free_components(std::size_t nodes) const;
+    /// Puts the held components where their grips take them at `time`.
+    void place_held(double time, std::span<Vec3> x) const;
+    double penalty_energy(double time, std::span<const Vec3> x) const;
+    void add_penalty_forces(double time, std::span<const Vec3> x, std::span<Vec3> f) const;
+    /// Adds the derivative of the penalty forces' negative in the direction d.
+    void add_penalty_action(std::span<const Vec3> d, std::span<Vec3> out) const;
+
+    /// A patch average held by a penalty, for preconditioners.
+    struct Patch {
+        std::span<const std::uint32_t> node;
+        std::span<const double> coefficient;  ///< sum 1
+        Vec3 stiffness;                       ///< [N/m] in each direction; 0 where it may slide
+    };
+    std::vector<Patch> patches() const;
+
+    /// Work of moving grips [J], through nodes that are held directly and through patches.
+    struct GripWork {
+        double nodes = 0, patches = 0;
+    };
+    /// Sets the next reactions: held components take the forces that balance `sum` [nodes], all other forces and
+    /// inertia on the body; patches their penalty forces. Returns the work of these forces from `start` to `end` [s].
+    GripWork measure(double start, double end, std::span<const Vec3> x, std::span<const Vec3> sum);
+
     /// Forgets the impulses; the next reactions are means from here on.
     void start_measuring();
     /// Mean force and torque on the body over `seconds` since `start_measuring`.
@@ -61,6 +89,9 @@ private:
         std::vector<std::uint32_t> node;
         std::vector<double> coefficient;  ///< sum 1
         Vec3 rest;                        ///< rest place of the average
+        double stiffness = 0;             ///< of the penalty [N/m]; 0: a node, held directly
+
+        Vec3 average(std::span<const Vec3> x) const;
     };
     struct HeldFix {
         GripMotion motion;
@@ -71,6 +102,9 @@ private:
     struct Factor;
 
     void factorize(const Model& model);
+    /// What is missing to where the grip takes a row, in the directions that it holds.
+    Vec3 missing(const Row& row, double time, std::span<const Vec3> x) const;
+    void push(const Row& row, const Vec3& impulse, double time);
 
     std::vector<HeldFix> fixes_;
     std::vector<Row> rows_;

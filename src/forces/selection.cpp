@@ -1,7 +1,9 @@
 #include "forces/selection.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 
 #include "base/format.h"
 #include "phyxel/error.h"
@@ -34,6 +36,7 @@ SurfaceSelection select_surface(const Model& model, const TriangleMesh& mesh, co
     const double slack = 1e-9 * norm(high - low);
 
     TriangleMesh inside;
+    std::map<std::array<double, 3>, std::uint32_t> welded;
     for (const Triangle& t : mesh.triangles) {
         Polygon polygon = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
         for (int axis = 0; axis < 3 && polygon.size() >= 3; ++axis) {
@@ -41,10 +44,15 @@ SurfaceSelection select_surface(const Model& model, const TriangleMesh& mesh, co
             polygon = clip_half_space(polygon, axis, box.lower[axis] - slack, -1);
         }
         if (polygon.size() < 3) continue;
-        const auto first = static_cast<std::uint32_t>(inside.vertices.size());
-        for (const Vec3& X : polygon) inside.vertices.push_back(model.sampling.frame.to_lattice(X));
-        for (std::uint32_t k = 2; k < polygon.size(); ++k)
-            inside.triangles.push_back({first, first + k - 1, first + k});
+        std::vector<std::uint32_t> corners;
+        for (const Vec3& X : polygon) {
+            const auto [vertex, is_new] =
+                welded.insert({{X.x, X.y, X.z}, static_cast<std::uint32_t>(inside.vertices.size())});
+            if (is_new) inside.vertices.push_back(model.sampling.frame.to_lattice(X));
+            corners.push_back(vertex->second);
+        }
+        for (std::size_t k = 2; k < corners.size(); ++k)
+            inside.triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
 
     SurfaceSelection selection;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/merged_pieces.h"
 #include "geometry/surface_cut.h"
 
 namespace phyxel {
@@ -191,6 +192,7 @@ ClippedVolume clip_closed(const TriangleMesh& original, double pitch, const Thre
     }
     for (const Strip& strip : strips)
         for (const Sliver& sliver : strip.slivers) give_away(sliver, clip.octants, pitch);
+    clip.boundary = merge_coplanar(clip.boundary, mesh, pitch);
     clip.volume = threads.sum(clip.octants.size(), 1024, [&](std::size_t o) { return clip.octants[o].volume; });
     return clip;
 }

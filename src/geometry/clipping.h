@@ -54,7 +54,7 @@ ClippedVolume clip_closed(const TriangleMesh& mesh, double pitch, const Threads&
 ClippedVolume clip_by_winding_number(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
                                      const Threads& threads);
 
-/// The triangles of `mesh`, cut along the planes of the octants, triangle by triangle.
+/// The triangles of `mesh`, cut along the planes of the octants; pieces of one plane in one octant are one point.
 std::vector<SurfacePoint> cut_surface(const TriangleMesh& mesh, double pitch);
 
 }  // namespace phyxel

@@ -1,5 +1,7 @@
 #include "geometry/surface_cut.h"
 
+#include "geometry/merged_pieces.h"
+
 namespace phyxel {
 
 TriangleMesh snapped_to_planes(const TriangleMesh& mesh, double pitch) {
@@ -75,7 +77,7 @@ std::vector<SurfacePoint> cut_surface(const TriangleMesh& original, double pitch
             if (norm_squared(point.area) > 0) points.push_back(point);
         });
     }
-    return points;
+    return merge_coplanar(points, mesh, pitch);
 }
 
 }  // namespace phyxel

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "scene/read_parts.h"
 
 namespace phyxel {
@@ -9,9 +11,12 @@ constexpr double most_frames = 1e7;  // six digits number the files; a tenfold r
 constexpr double most_steps = 1e9;   // beyond, the rounding of their times shows
 
 constexpr Choice<Integrator> integrators[] = {
-    {"leap-frog", Integrator::leap_frog},          {"verlet", Integrator::verlet},
-    {"implicit-euler", Integrator::verlet, false}, {"bdf2", Integrator::verlet, false},
-    {"constraint", Integrator::verlet, false},     {"static", Integrator::verlet, false},
+    {"implicit-euler", Integrator::implicit_euler},
+    {"bdf2", Integrator::bdf2},
+    {"static", Integrator::statics},
+    {"leap-frog", Integrator::leap_frog},
+    {"verlet", Integrator::verlet},
+    {"constraint", Integrator::verlet, false},
     {"auto", Integrator::verlet, false},
 };
 
@@ -40,6 +45,14 @@ SceneSimulation read_simulation(const TableReader& root) {
     if (const auto damping = reader->table("damping", {"mass", "stiffness"})) {
         simulation.mass_damping = damping->number("mass", at_least(0, "1/s")).value_or(0);
         simulation.stiffness_damping = damping->number("stiffness", at_least(0, "s")).value_or(0);
+    }
+
+    // A static run is one step and one frame of results; implicit steps divide the frames
+    if (simulation.integrator == Integrator::statics) {
+        simulation.time_step = simulation.duration;
+        simulation.frame_rate = 1 / simulation.duration;
+    } else if (!is_explicit(simulation.integrator) && !simulation.time_step) {
+        simulation.time_step = 1 / (simulation.frame_rate * std::ceil(60 / simulation.frame_rate * (1 - 1e-12)));
     }
 
     // Runs that could not end are mistakes of unit

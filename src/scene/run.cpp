@@ -17,8 +17,12 @@
 namespace phyxel {
 namespace {
 
-constexpr double steps_a_piece = 100;       // between two looks at the progress and at an interrupt
-constexpr double longest_piece = 1.0 / 60;  // [s]
+/// Longest time [s] between two looks at the progress and at an interrupt. Implicit steps are as long as they are.
+double piece_length(const SceneSimulation& simulation, const World& world) {
+    constexpr double steps = 100, longest = 1.0 / 60;
+    if (!is_explicit(simulation.integrator)) return std::numeric_limits<double>::infinity();
+    return std::min(longest, steps * world.stable_substep());
+}
 
 class Stopwatch {
 public:
@@ -40,7 +44,7 @@ public:
           options_(options),
           folder_(options.folder.empty() ? std::filesystem::path("output") / scene.name : options.folder),
           built_(build_world(scene, options.threads)),
-          timeline_(scene.simulation, std::min(longest_piece, steps_a_piece * built_.world.stable_substep())) {}
+          timeline_(scene.simulation, piece_length(scene.simulation, built_.world)) {}
 
     RunResult run() {
         open();
@@ -128,6 +132,10 @@ void Run::step_to_end() {
         const StepReport step = built_.world.advance(stop.time - built_.world.time());
         record_.steps += step.substeps;
         record_.retries += step.retries;
+        record_.newton_iterations += step.newton_iterations;
+        record_.newton_worst = std::max(record_.newton_worst, step.newton_worst);
+        record_.linear_iterations += step.linear_iterations;
+        record_.linear_worst = std::max(record_.linear_worst, step.linear_worst);
         if (step.substeps > 0) record_.smallest_step = std::min(record_.smallest_step, step.substep);
         if (step.status == StepStatus::failed) {
             end(RunStatus::failed, step.message);

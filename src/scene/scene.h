@@ -19,7 +19,7 @@ namespace phyxel {
 
 struct SceneSimulation {
     Integrator integrator = Integrator::leap_frog;
-    std::optional<double> time_step{};  ///< [s]; none: from the stability bound
+    std::optional<double> time_step{};  ///< [s]; none: from the stability bound (explicit integrators only)
     double duration = 2;                ///< [s]
     double frame_rate = 60;             ///< [1/s] of written output
     Vec3 gravity{0, -9.81, 0};          ///< [m/s^2]

@@ -73,13 +73,29 @@ Json fixes_json(const Scene& scene, const BuiltScene& built) {
     return all;
 }
 
+const char* method(Integrator integrator) {
+    switch (integrator) {
+        case Integrator::leap_frog:
+            return "leap-frog";
+        case Integrator::verlet:
+            return "verlet";
+        case Integrator::implicit_euler:
+            return "implicit-euler, L-BFGS with warped multigrid";
+        case Integrator::bdf2:
+            return "bdf2, L-BFGS with warped multigrid";
+        case Integrator::statics:
+            break;
+    }
+    return "static, Newton and conjugate gradients with warped multigrid";
+}
+
 /// Explicit integrators solve nothing: their iterations are zero, and what counts is the steps they took.
 Json solver_json(const Scene& scene, const RunRecord& record) {
-    return {{"method", scene.simulation.integrator == Integrator::verlet ? "verlet" : "leap-frog"},
-            {"newton_iterations", 0},
-            {"newton_iterations_worst", 0},
-            {"linear_iterations", 0},
-            {"linear_iterations_worst", 0},
+    return {{"method", method(scene.simulation.integrator)},
+            {"newton_iterations", record.newton_iterations},
+            {"newton_iterations_worst", record.newton_worst},
+            {"linear_iterations", record.linear_iterations},
+            {"linear_iterations_worst", record.linear_worst},
             {"smallest_step", record.smallest_step},
             {"retries", record.retries}};
 }

@@ -16,6 +16,7 @@ struct RunRecord {
     double resumed_from = 0;  ///< [s] of simulated time; 0: from the start
     std::size_t steps = 0, retries = 0, frames = 0;
     double smallest_step = 0;  ///< [s]
+    std::size_t newton_iterations = 0, newton_worst = 0, linear_iterations = 0, linear_worst = 0;
     double wall_seconds = 0, setup_seconds = 0;
 };
 

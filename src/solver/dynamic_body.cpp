@@ -14,6 +14,12 @@ double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threa
 
 }  // namespace
 
+WarpedPreconditioner& DynamicBody::prepare_preconditioner(double stiffness, double inertia, const Threads& threads) {
+    if (!preconditioner) preconditioner = std::make_unique<WarpedPreconditioner>(model, constraints, threads);
+    preconditioner->set_weights(stiffness, inertia, threads);
+    return *preconditioner;
+}
+
 void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, const Threads& threads) {
     const std::size_t n = b.model.rest.size();
     b.force.resize(n);

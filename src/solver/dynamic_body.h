@@ -8,6 +8,7 @@
 #include "forces/internal_forces.h"
 #include "forces/loads.h"
 #include "solver/stable_step.h"
+#include "solver/warped_preconditioner.h"
 #include "surface/embedded_surface.h"
 
 namespace phyxel {
@@ -23,6 +24,13 @@ struct Surroundings {
 /// Amounts of energy [J] that left or entered a body since the start.
 struct Exchanged {
     double external = 0, damping = 0, friction = 0;
+    double numerical = 0;  ///< by implicit integrators themselves
+};
+
+/// Where a body was one step ago, for integrators of two steps.
+struct History {
+    std::vector<Vec3> x, v;  ///< [nodes]
+    double dt = 0;           ///< [s] length of the last step; 0: there was none
 };
 
 /// A body in motion: what it is, where it is, and what acts on it.
@@ -39,14 +47,26 @@ struct DynamicBody {
     double rest_step = 0;   ///< [s] stable step of the body at rest
     double step_limit = 0;  ///< [s] stable step of the body as it is now
 
+    // Implicit and static.
+    History history;
+    double carried_load = 0;                               ///< share of the loads that the state is in equilibrium with
+    double penalty_energy = 0;                             ///< [J] of patches held by penalties
+    std::unique_ptr<WarpedPreconditioner> preconditioner;  ///< made when first needed, for its material and fixes
+
+    /// The preconditioner of s K + c M + penalties, made or brought up to date.
+    WarpedPreconditioner& prepare_preconditioner(double stiffness, double inertia, const Threads& threads);
+    /// To be called when the material or the fixes change, or the motion starts anew.
+    void forget_solver() { preconditioner.reset(), history = {}; }
+
     // Work arrays [nodes].
     ForceWorkspace work;
-    std::vector<Vec3> force;                      ///< all forces but the constraints' [N]
-    std::vector<Vec3> load_force;                 ///< the loads' part of them [N]
-    std::vector<ContactSamples::Touch> touches;   ///< samples inside of an obstacle
-    std::vector<Vec3> impulse, friction_impulse;  ///< of the constraints and of friction [N s]
-    std::vector<Vec3> previous;                   ///< velocity before a kick [m/s]
-    double viscous_power = 0;                     ///< [W]
+    std::vector<Vec3> force;                              ///< all forces but the constraints' [N]
+    std::vector<Vec3> load_force;                         ///< the loads' part of them [N]
+    std::vector<ContactSamples::Touch> touches;           ///< samples inside of an obstacle
+    std::vector<ContactSamples::Touch> friction_touches;  ///< those whose normal forces smooth friction works with
+    std::vector<Vec3> impulse, friction_impulse;          ///< of the constraints and of friction [N s]
+    std::vector<Vec3> previous;                           ///< velocity before a kick [m/s]
+    double viscous_power = 0;                             ///< [W]
 };
 
 /// Evaluates the forces at the body's positions and velocities.

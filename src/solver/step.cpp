@@ -63,7 +63,7 @@ std::string trouble_with(DynamicBody& b, const Snapshot& before, const Surroundi
     const double gain = after.total() - before.energy.total() - external + lost;
     const double weight =
         norm(around.gravity) * b.model.total_mass * (norm(b.state.x.front() - start) + b.model.node_length);
-    const auto stored = [](const BodyEnergy& e) { return e.kinetic + e.elastic + e.stabilization + e.contact; };
+    const auto stored = [](const BodyEnergy& e) { return e.kinetic + e.stored(); };
     // Below a strain of 1e-4 everywhere there is nothing to lose.
     const double quiet = 1e-8 * b.model.settings.youngs_modulus * b.model.sampling.clipped_volume;
     const double scale = std::max({stored(after), stored(before.energy), std::abs(external), lost, weight, quiet});
@@ -150,6 +150,7 @@ BodyEnergy body_energy(DynamicBody& b, const Surroundings& around, const Threads
     e.gravitational = -threads.sum(b.state.x.size(), 1024,
                                    [&](std::size_t i) { return b.model.mass[i] * dot(around.gravity, b.state.x[i]); });
     if (b.contact) e.contact = b.contact->energy(around.colliders, b.state.x, threads);
+    e.constraint = b.penalty_energy;
     return e;
 }
 
@@ -166,6 +167,7 @@ StepReport advance(Bodies bodies, const Surroundings& around, Integrator integra
         report.advanced = duration;
         return report;
     }
+    if (!is_explicit(integrator)) return advance_implicitly(bodies, around, integrator, time, duration, threads);
     const std::vector<Snapshot> before = take_snapshots(bodies, around, threads);
     std::string trouble;
     for (double shortening = 1; shortening >= shortest_share; shortening /= 2) {

@@ -10,6 +10,11 @@
 namespace phyxel {
 namespace {
 
+void add_material(Hasher& hasher, const Material& m) {
+    for (double value : {m.density, m.youngs_modulus, m.poissons_ratio, m.volume_stiffness}) hasher.add_value(value);
+    hasher.add_value(static_cast<std::uint64_t>(m.law));
+}
+
 /// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials,
 /// obstacles, fixes, loads.
 std::uint64_t fingerprint(const World::Parts& p) {
@@ -26,10 +31,12 @@ std::uint64_t fingerprint(const World::Parts& p) {
         hasher.add_values(std::span<const double>(m.mass));
         hasher.add_values(std::span<const double>(m.volumes));
         hasher.add_values(std::span<const Vec3>(m.stencils.gradient));
-        for (double value : {m.settings.density, m.settings.youngs_modulus, m.settings.poissons_ratio,
-                             m.settings.volume_stiffness, m.stabilization, body->rest_step})
-            hasher.add_value(value);
-        hasher.add_value(static_cast<std::uint64_t>(m.settings.law));
+        add_material(hasher, m.settings);
+        for (const Material& material : m.mixture.materials) add_material(hasher, material);
+        hasher.add_values(std::span<const double>(m.mixture.share));
+        hasher.add_values(std::span<const std::uint16_t>(m.mixture.material));
+        hasher.add_values(std::span<const std::uint32_t>(m.dilatation.cell));
+        for (double value : {m.stabilization, body->rest_step}) hasher.add_value(value);
         for (const SurfaceLoad& load : body->loads) load.add_to(hasher);
         body->constraints.add_to(hasher);
     }
@@ -53,6 +60,11 @@ void World::save_checkpoint(const std::filesystem::path& path) const {
         file.add_values(section(i, "mode"), std::span<const Vec3>(body.frequency.mode()));
         file.add_value(section(i, "step_limit"), body.step_limit);
         file.add_value(section(i, "exchanged"), body.exchanged);
+        file.add_value(section(i, "penalty_energy"), body.penalty_energy);
+        file.add_value(section(i, "carried_load"), body.carried_load);
+        file.add_value(section(i, "history.dt"), body.history.dt);
+        file.add_values(section(i, "history.x"), std::span<const Vec3>(body.history.x));
+        file.add_values(section(i, "history.v"), std::span<const Vec3>(body.history.v));
         file.add_value(section(i, "energy_at_start"), p.infos[i].energy_at_start);
         file.add_value(section(i, "gravity_at_start"), p.infos[i].gravity_at_start);
     }
@@ -70,12 +82,17 @@ void World::load_checkpoint(const std::filesystem::path& path) {
                     "values that wrote it");
     // All is read before anything changes.
     std::vector<State> states;
+    std::vector<History> histories;
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
         (void)file.values<Vec3>(section(i, "mode"), n);
-        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start"})
+        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load"})
             (void)file.value<double>(section(i, what));
+        const double last_step = file.value<double>(section(i, "history.dt"));
+        const std::size_t kept = last_step > 0 ? n : 0;
+        histories.push_back({file.values<Vec3>(section(i, "history.x"), kept),
+                             file.values<Vec3>(section(i, "history.v"), kept), last_step});
         (void)file.value<Exchanged>(section(i, "exchanged"));
     }
     p.time = file.value<double>("time");
@@ -83,6 +100,9 @@ void World::load_checkpoint(const std::filesystem::path& path) {
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         DynamicBody& body = *p.bodies[i];
         body.state = std::move(states[i]);
+        body.history = std::move(histories[i]);
+        body.penalty_energy = file.value<double>(section(i, "penalty_energy"));
+        body.carried_load = file.value<double>(section(i, "carried_load"));
         body.frequency.mode() = file.values<Vec3>(section(i, "mode"));
         body.step_limit = file.value<double>(section(i, "step_limit"));
         body.exchanged = file.value<Exchanged>(section(i, "exchanged"));

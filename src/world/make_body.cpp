@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "geometry/bvh.h"
 #include "geometry/mesh_check.h"
+#include "geometry/surface_distance.h"
 #include "geometry/thickness.h"
 #include "geometry/winding_number.h"
 #include "phyxel/error.h"
@@ -63,20 +64,31 @@ void make_surface(DynamicBody& body, const TriangleMesh& original, const Checked
     body.surface.emplace(body.model, original, own, threads);
 }
 
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 n = cross(b - a, c - a);
-    const double area_squared = norm_squared(n);
-    if (area_squared > 0) {
-        // Above the triangle: barycentric coordinates of the foot point all positive.
-        const double u = dot(cross(c - b, p - b), n), v = dot(cross(a - c, p - c), n), w = dot(cross(b - a, p - a), n);
-        if (u >= 0 && v >= 0 && w >= 0) return std::abs(dot(p - a, n)) / std::sqrt(area_squared);
+void warn_of_regions(const Model& model, World::Parts& parts) {
+    for (std::size_t r = 1; r < model.mixture.materials.size(); ++r)
+        if (!model.mixture.holds(r))
+            parts.warn("region " + std::to_string(r - 1) +
+                       " holds no part of its body: it lies outside, is thinner than the spacing, or later regions "
+                       "cover it. Regions are in rest space, where scale, rotation and translation put the body");
+}
+
+void check_region(const Region& region, const std::string& field) {
+    if (const auto* box = std::get_if<BoxRegion>(&region.shape)) {
+        for (int c = 0; c < 3; ++c)
+            if (!(box->lower[c] <= box->upper[c]))
+                throw Error("body " + field + ".box: its lower corner is above its upper one; swap them");
+    } else if (const auto* sphere = std::get_if<SphereRegion>(&region.shape)) {
+        if (!is_finite(sphere->center)) throw Error("body " + field + ".sphere: expected a finite center [m]");
+        if (!(sphere->radius > 0) || !std::isfinite(sphere->radius))
+            refuse(field + ".sphere radius", sphere->radius, "a finite number above 0 [m]");
     }
-    const auto to_edge = [&](const Vec3& q, const Vec3& r) {
-        const double length_squared = norm_squared(r - q);
-        const double t = length_squared > 0 ? std::clamp(dot(p - q, r - q) / length_squared, 0.0, 1.0) : 0.0;
-        return norm(p - (q + t * (r - q)));
-    };
-    return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+    if (!(region.transition >= 0) || !std::isfinite(region.transition))
+        refuse(field + ".transition", region.transition, "a finite number of at least 0 [m]");
+    try {
+        validate(region.material);
+    } catch (const Error& error) {
+        throw Error("body " + field + ": " + error.what());
+    }
 }
 
 }  // namespace
@@ -115,6 +127,12 @@ void validate(const BodySettings& s) {
     if (!std::isfinite(s.stabilization) || s.stabilization > 10)
         refuse("stabilization", s.stabilization, "0 to 10, or -1 for the default");
     validate(s.material);
+    if (s.mean_dilatation == true && s.quadrature == Quadrature::nodes)
+        throw Error(
+            "body mean_dilatation: belongs to grid quadrature; with points at the nodes a cell has a single one. "
+            "Remove it, or use grid quadrature");
+    if (s.regions.size() > 65000) refuse("regions", static_cast<double>(s.regions.size()), "at most 65000");
+    for (std::size_t r = 0; r < s.regions.size(); ++r) check_region(s.regions[r], "region " + std::to_string(r));
 }
 
 TriangleMesh placed(const TriangleMesh& mesh, const BodySettings& settings) {
@@ -125,6 +143,10 @@ TriangleMesh placed(const TriangleMesh& mesh, const BodySettings& settings) {
 }
 
 void find_rest_step(DynamicBody& body, const World::Parts& parts) {
+    if (!is_explicit(parts.settings.integrator)) {
+        body.rest_step = body.step_limit = parts.settings.time_step;
+        return;
+    }
     estimate_rest_step(body, parts.around, parts.threads);
     constexpr double most_substeps = 1e7;
     if (body.rest_step * most_substeps > parts.settings.time_step) return;
@@ -153,6 +175,7 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     StencilReport report;
     body->model = build_model(std::move(sampling), settings, parts.threads, report);
     warn_of_stencils(report, parts);
+    warn_of_regions(body->model, parts);
     body->state.x = body->model.rest;
     body->state.v.assign(body->model.rest.size(), settings.velocity);
     make_surface(*body, placed_mesh, checked, parts.threads);

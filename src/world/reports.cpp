@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forces/mean_dilatation.h"
 #include "material/stress_measures.h"
 #include "phyxel/world.h"
 #include "world/parts.h"
@@ -19,19 +20,23 @@ EnergyLedger World::Parts::ledger() {
         sum.stabilization += e.stabilization;
         sum.gravitational += e.gravitational;
         sum.contact += e.contact;
+        sum.constraint += e.constraint;
         exchanged.external += body.exchanged.external;
         exchanged.damping += body.exchanged.damping;
         exchanged.friction += body.exchanged.friction;
+        exchanged.numerical += body.exchanged.numerical;
         start += infos[i].energy_at_start;
         gravity_at_start += infos[i].gravity_at_start;
     }
     sum.external_work = exchanged.external;
     sum.damping = exchanged.damping;
     sum.friction = exchanged.friction;
-    const double stored = sum.kinetic + sum.elastic + sum.stabilization + sum.contact;
+    sum.numerical = exchanged.numerical;
+    const double stored = sum.kinetic + sum.elastic + sum.stabilization + sum.contact + sum.constraint;
+    const double lost = sum.damping + sum.friction + sum.numerical;
     largest_energy = std::max({largest_energy, stored, std::abs(sum.gravitational - gravity_at_start),
-                               std::abs(sum.external_work), sum.damping + sum.friction});
-    const double missing = stored + sum.gravitational + sum.damping + sum.friction - sum.external_work - start;
+                               std::abs(sum.external_work), std::abs(lost)});
+    const double missing = stored + sum.gravitational + lost - sum.external_work - start;
     sum.balance_error = largest_energy > 0 ? std::abs(missing) / largest_energy : 0;
     return sum;
 }
@@ -68,14 +73,14 @@ PointFields World::point_fields(BodyId id) const {
     fields.cauchy_stress.resize(n);
     fields.von_mises.resize(n);
     fields.principal_stress.resize(n);
-    fields.energy_density.resize(n);
+    PointStresses stresses = point_stresses(m, fields.deformation_gradient, parts_->threads);
+    fields.energy_density = std::move(stresses.energy_density);
     parts_->threads.for_each(n, 256, [&](std::size_t q) {
         const Mat3& F = fields.deformation_gradient[q];
         fields.positions[q] = points.position(q, body.state.x);
-        fields.cauchy_stress[q] = cauchy_stress(F, stress(m.material, F));
+        fields.cauchy_stress[q] = cauchy_stress(F, stresses.stress[q]);
         fields.von_mises[q] = von_mises(fields.cauchy_stress[q]);
         fields.principal_stress[q] = principal(fields.cauchy_stress[q]);
-        fields.energy_density[q] = phyxel::energy(m.material, F);
     });
     return fields;
 }
@@ -87,8 +92,9 @@ std::vector<float> World::surface_von_mises(BodyId id) const {
     // the surface itself is the least accurate there is.
     std::vector<double> weighted(m.rest.size()), volume(m.rest.size());
     const std::vector<Mat3> F = deformation_gradients(m, body.state.x, parts_->threads);
+    const PointStresses stresses = point_stresses(m, F, parts_->threads);
     for (std::size_t q = 0; q < F.size(); ++q) {
-        const double value = von_mises(cauchy_stress(F[q], stress(m.material, F[q])));
+        const double value = von_mises(cauchy_stress(F[q], stresses.stress[q]));
         for (std::uint32_t node : m.sampling.cell_nodes[m.sampling.point_cell[q]]) {
             if (node == no_index) continue;
             weighted[node] += m.volumes[q] * value;

@@ -27,6 +27,15 @@ void check_settings(const WorldSettings& s) {
                     ", expected 1 to 1024, or 0 for all of the machine's");
 }
 
+/// A point's parts are of one law.
+void refuse_blended_laws(const Mixture& mixture, std::size_t which, const Material& material) {
+    for (std::size_t k = 0; k < mixture.share.size(); ++k)
+        if (mixture.material[k] == which && mixture.share[k] < 1 && mixture.materials[which].law != material.law)
+            throw Error(
+                "material law: octants or transitions at the border of a region blend this material with another; "
+                "give it the law it had");
+}
+
 void check_box(const BoxSelection& box, const char* what) {
     for (int c = 0; c < 3; ++c)
         if (!(box.lower[c] <= box.upper[c]))
@@ -112,6 +121,7 @@ std::size_t World::add_fix(BodyId id, const Fix& fix) {
         if (k > 0 && !(key.time > fix.path[k - 1].time)) throw Error("fix path: the times of its keys must rise");
     }
     DynamicBody& body = p.body(id);
+    body.forget_solver();
     p.fixes.push_back({id, body.constraints.add(body.model, body.mesh, fix, p.threads)});
     return p.fixes.size() - 1;
 }
@@ -161,6 +171,10 @@ StepReport World::advance(double seconds) {
         total.substep = one.substep;
         total.contacts = one.contacts;
         total.advanced += one.advanced;
+        total.newton_iterations += one.newton_iterations;
+        total.newton_worst = std::max(total.newton_worst, one.newton_worst);
+        total.linear_iterations += one.linear_iterations;
+        total.linear_worst = std::max(total.linear_worst, one.linear_worst);
         p.time += one.advanced;
         if (one.advanced > 0) p.measured_seconds = one.advanced;
         if (one.retries > 0) p.warn("steps that were thrown away and cut into smaller ones", one.retries);
@@ -192,18 +206,27 @@ void World::set_velocity(BodyId id, const Vec3& velocity) {
     DynamicBody& body = p.body(id);
     const double before = kinetic_energy(body, p.threads);
     std::fill(body.state.v.begin(), body.state.v.end(), velocity);
+    body.history = {};
     body.exchanged.external += kinetic_energy(body, p.threads) - before;
 }
 
-void World::set_material(BodyId id, const Material& material) {
+void World::set_material(BodyId id, const Material& material, std::optional<std::size_t> region) {
     Parts& p = *parts_;
     validate(material);
     DynamicBody& body = p.body(id);
-    if (material.density != body.model.settings.density)
-        throw Error("material density: found " + format_number(material.density) + ", expected the body's own, " +
-                    format_number(body.model.settings.density) + " kg/m^3; its mass does not change");
+    const std::size_t which = region ? *region + 1 : 0,
+                      regions = std::max<std::size_t>(body.model.mixture.materials.size(), 1) - 1;
+    if (region && *region >= regions)
+        throw Error("region " + std::to_string(*region) + ": this body has " + std::to_string(regions) +
+                    " regions, counted from 0");
+    const Material& now = which == 0 ? body.model.settings : body.model.mixture.materials[which];
+    if (material.density != now.density)
+        throw Error("material density: found " + format_number(material.density) + ", expected the one it has, " +
+                    format_number(now.density) + " kg/m^3; its mass does not change");
+    refuse_blended_laws(body.model.mixture, which, material);
     const double before = body_energy(body, p.around, p.threads).total();
-    phyxel::set_material(body.model, material);
+    phyxel::set_material(body.model, material, which);
+    body.forget_solver();
     find_rest_step(body, p);
     body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
     body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;

@@ -1,0 +1,104 @@
+#include <algorithm>
+
+#include "base/format.h"
+#include "solver/implicit_step.h"
+#include "solver/statics.h"
+#include "solver/step.h"
+
+namespace phyxel {
+namespace {
+
+using Bodies = std::span<const std::unique_ptr<DynamicBody>>;
+
+constexpr int most_parts = 64;  ///< equal steps that one which was not found is cut into
+
+/// What changes in a step and is put back when it fails.
+struct Before {
+    State state;
+    History history;
+    Exchanged exchanged;
+    double penalty_energy, carried_load;
+};
+
+void restore(Bodies bodies, const std::vector<Before>& before) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        bodies[i]->state = before[i].state;
+        bodies[i]->history = before[i].history;
+        bodies[i]->exchanged = before[i].exchanged;
+        bodies[i]->penalty_energy = before[i].penalty_energy;
+        bodies[i]->carried_load = before[i].carried_load;
+    }
+}
+
+void count(const SolveReport& solve, StepReport& report) {
+    report.newton_iterations += solve.newton_iterations;
+    report.newton_worst = std::max(report.newton_worst, solve.newton_iterations);
+    report.linear_iterations += solve.linear_iterations;
+    report.linear_worst = std::max(report.linear_worst, solve.linear_worst);
+}
+
+bool all_finite(const State& state) {
+    for (std::size_t i = 0; i < state.x.size(); ++i)
+        // Places are handed out in single precision.
+        if (!is_finite(vector_cast<float>(state.x[i])) || !is_finite(state.v[i])) return false;
+    return true;
+}
+
+/// What went wrong in `parts` equal steps; empty when nothing did.
+std::string try_steps(Bodies bodies, const Surroundings& around, Integrator integrator, double time, double duration,
+                      int parts, const Threads& threads, StepReport& report) {
+    const ImplicitScheme scheme = integrator == Integrator::bdf2 ? ImplicitScheme::bdf2 : ImplicitScheme::euler;
+    const double dt = duration / parts;
+    report.substep = dt;
+    for (int k = 0; k < parts; ++k) {
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            DynamicBody& b = *bodies[i];
+            SolveReport solve;
+            if (integrator == Integrator::statics) {
+                solve = find_equilibrium(b, around, time, time + duration, threads).solve;
+            } else {
+                solve = implicit_step(b, around, scheme, time + k * dt, dt, threads);
+            }
+            count(solve, report);
+            if (!solve.converged) return "body " + std::to_string(i) + ": " + solve.trouble;
+            if (!all_finite(b.state)) return "body " + std::to_string(i) + " left the numbers";
+        }
+        ++report.substeps;
+    }
+    return {};
+}
+
+}  // namespace
+
+StepReport advance_implicitly(Bodies bodies, const Surroundings& around, Integrator integrator, double time,
+                              double duration, const Threads& threads) {
+    StepReport report;
+    std::vector<Before> before;
+    for (const auto& b : bodies)
+        before.push_back({b->state, b->history, b->exchanged, b->penalty_energy, b->carried_load});
+    const bool is_static = integrator == Integrator::statics;
+    std::string trouble;
+    for (int parts = 1; parts <= (is_static ? 1 : most_parts); parts *= 2) {
+        report.substeps = 0;
+        trouble = try_steps(bodies, around, integrator, time, duration, parts, threads, report);
+        if (trouble.empty()) {
+            report.advanced = duration;
+            for (const auto& b : bodies) report.contacts += b->touches.size();
+            return report;
+        }
+        restore(bodies, before);
+        for (const auto& b : bodies) b->constraints.start_measuring();
+        ++report.retries;
+    }
+    report.status = StepStatus::failed;
+    report.substeps = 0;
+    report.message =
+        (is_static ? "no equilibrium was found: " + trouble
+                   : "no implicit step from time " + format_number(time) + " s was found, even in parts of " +
+                         format_number(report.substep) + " s: " + trouble) +
+        ". The state is the last good one. A stiffer law (neo-hookean), a finer spacing or gentler loads "
+        "may help";
+    return report;
+}
+
+}  // namespace phyxel

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "approximation/node_filter.h"
+#include "model/model.h"
+#include "solver/block_matrix.h"
+
+namespace phyxel {
+
+/// Trilinear interpolation from a lattice of twice the spacing: row i holds the coarse nodes that node i lies between,
+/// with their weights, which add up to 1.
+struct Coarsening {
+    SparseRows prolongation;                          ///< [fine nodes]
+    SparseRows restriction;                           ///< its transpose, [coarse nodes]
+    std::vector<std::array<std::int32_t, 3>> places;  ///< [coarse nodes] integer places, in coarse spacings
+};
+
+/// Coarse nodes for fine ones at `places` [fine spacings from some corner].
+Coarsening coarsen(std::span<const Vec3> places);
+
+/// P^T K P of the stiffness at rest, K without the stabilization, which smooth fields hardly feel. `free` [nodes] masks
+/// held components. Assembled from coarse stencils, sum_i P_iI g_qi, not from K.
+BlockRows galerkin_stiffness(const Model& model, const Coarsening& coarse, std::span<const Vec3> free,
+                             const Threads& threads);
+
+/// P^T A P.
+BlockRows galerkin_product(const BlockMatrix& A, const Coarsening& coarse);
+
+}  // namespace phyxel

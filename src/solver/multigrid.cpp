@@ -1,0 +1,263 @@
+#include "solver/multigrid.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "forces/stiffness_diagonal.h"
+#include "solver/nodal_vectors.h"
+
+namespace phyxel {
+namespace {
+
+constexpr std::size_t dense_nodes = 233;  ///< below 700 unknowns a Cholesky factor is cheaper than another level
+constexpr int power_iterations = 20;
+
+/// Degree of the smoothing polynomial and the share of the spectrum, from the top down, that it works on.
+int smoothing_degree(std::size_t nodes) { return nodes <= 5000 ? 1 : nodes <= 20000 ? 2 : 3; }
+double smoothing_range(int degree) { return degree == 1 ? 4 : degree == 2 ? 8 : 14; }
+
+Mat3 masked(const Mat3& A, const Vec3& free) {
+    Mat3 result;
+    for (std::size_t r = 0; r < 3; ++r) result.rows[r] = free[r] * times(free, A.rows[r]);
+    return result;
+}
+
+/// Places of the nodes from the lowest corner of the body, in spacings.
+std::vector<Vec3> places_of_nodes(const Model& m) {
+    Vec3 low = m.sampling.nodes.front();
+    for (const Vec3& p : m.sampling.nodes)
+        for (std::size_t d = 0; d < 3; ++d) low[d] = std::min(low[d], p[d]);
+    std::vector<Vec3> places;
+    for (const Vec3& p : m.sampling.nodes) places.push_back((p - low) / m.sampling.spacing);
+    return places;
+}
+
+/// Galerkin mass, as diagonal blocks in the pattern of a block matrix.
+std::vector<Vec3> galerkin_mass(const BlockMatrix& pattern, BlockRows rows) {
+    const BlockMatrix mass = rows.compressed();
+    std::vector<Vec3> values(pattern.column.size());
+    for (std::size_t i = 0; i < mass.rows(); ++i) {
+        std::size_t at = pattern.offset[i];
+        for (std::size_t k = mass.offset[i]; k < mass.offset[i + 1]; ++k) {
+            while (at < pattern.offset[i + 1] && pattern.column[at] < mass.column[k]) ++at;
+            if (at == pattern.offset[i + 1] || pattern.column[at] != mass.column[k]) continue;
+            values[at] = {mass.value[k](0, 0), mass.value[k](1, 1), mass.value[k](2, 2)};
+        }
+    }
+    return values;
+}
+
+}  // namespace
+
+struct RestMultigrid::Level {
+    std::size_t nodes = 0;
+    Coarsening coarsening;   ///< to the next level
+    BlockMatrix stiffness;   ///< K; empty on level 0
+    std::vector<Vec3> mass;  ///< [blocks of K]; on level 0 [nodes]
+    BlockMatrix sum;         ///< s K + c M; empty on level 0
+    PatchRows patches;
+    BlockJacobi jacobi;
+    double largest = 1;            ///< eigenvalue of the smoothed operator
+    std::vector<Vec3> r, x, d, t;  ///< [nodes] residual, result, change, product
+};
+
+struct RestMultigrid::CoarseFactor {
+    Eigen::LLT<Eigen::MatrixXd> llt;
+    Eigen::VectorXd b;
+};
+
+RestMultigrid::~RestMultigrid() = default;
+RestMultigrid::RestMultigrid(RestMultigrid&&) noexcept = default;
+
+RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads)
+    : model_(model), free_(constraints.free_components(model.rest.size())) {
+    degree_ = smoothing_degree(model.rest.size());
+    diagonal_ = stiffness_diagonal(model, threads);
+    std::vector<Vec3> places = places_of_nodes(model);
+    Level fine;
+    fine.nodes = model.rest.size();
+    for (std::size_t i = 0; i < fine.nodes; ++i) fine.mass.push_back(model.mass[i] * free_[i]);
+    fine.patches = PatchRows(constraints, free_);
+    levels_.push_back(std::move(fine));
+
+    // Coarser levels, until few nodes are left or no more go.
+    while (levels_.size() == 1 || levels_.back().nodes > dense_nodes) {
+        Level& last = levels_.back();
+        last.coarsening = coarsen(places);
+        const Coarsening& c = last.coarsening;
+        if (levels_.size() > 1 && c.places.size() == last.nodes) break;
+        Level next;
+        next.nodes = c.places.size();
+        BlockRows stiffness =
+            levels_.size() == 1 ? galerkin_stiffness(model, c, free_, threads) : galerkin_product(last.stiffness, c);
+        BlockMatrix fine_mass;  // diagonal on level 0
+        if (levels_.size() == 1) {
+            for (std::uint32_t i = 0; i < last.nodes; ++i) {
+                fine_mass.column.push_back(i);
+                fine_mass.value.push_back(Mat3::diagonal(last.mass[i]));
+                fine_mass.offset.push_back(i + 1);
+            }
+        } else {
+            fine_mass = last.stiffness;
+            for (std::size_t k = 0; k < fine_mass.value.size(); ++k) fine_mass.value[k] = Mat3::diagonal(last.mass[k]);
+        }
+        next.stiffness = stiffness.compressed();
+        next.mass = galerkin_mass(next.stiffness, galerkin_product(fine_mass, c));
+        next.patches = last.patches.coarsened(c);
+        places.clear();
+        for (const auto& place : c.places) places.push_back({double(place[0]), double(place[1]), double(place[2])});
+        Vec3 low = places.front();
+        for (const Vec3& p : places)
+            for (std::size_t d = 0; d < 3; ++d) low[d] = std::min(low[d], p[d]);
+        for (Vec3& p : places) p -= low;
+        levels_.push_back(std::move(next));
+    }
+    for (Level& level : levels_)
+        for (auto* v : {&level.r, &level.x, &level.d, &level.t}) v->resize(level.nodes);
+    factor_ = std::make_unique<CoarseFactor>();
+}
+
+void RestMultigrid::set_weights(double stiffness, double inertia, const Threads& threads) {
+    if (stiffness == stiffness_ && inertia == inertia_) return;
+    stiffness_ = stiffness, inertia_ = inertia;
+    for (std::size_t l = 0; l < levels_.size(); ++l) {
+        Level& level = levels_[l];
+        std::vector<Mat3> diagonal(level.nodes);
+        if (l == 0) {
+            for (std::size_t i = 0; i < level.nodes; ++i)
+                diagonal[i] = stiffness * masked(diagonal_[i], free_[i]) + Mat3::diagonal(inertia * level.mass[i]);
+        } else {
+            level.sum = level.stiffness;
+            for (std::size_t k = 0; k < level.sum.value.size(); ++k)
+                level.sum.value[k] = stiffness * level.stiffness.value[k] + Mat3::diagonal(inertia * level.mass[k]);
+            for (std::size_t i = 0; i < level.nodes; ++i)
+                for (std::size_t k = level.sum.offset[i]; k < level.sum.offset[i + 1]; ++k)
+                    if (level.sum.column[k] == i) diagonal[i] = level.sum.value[k];
+        }
+        if (l + 1 < levels_.size()) {
+            level.jacobi = BlockJacobi(diagonal, level.patches);
+            level.largest = 1.05 * largest_eigenvalue(l, threads);
+            continue;
+        }
+        // The coarsest level: dense, shifted so that fields which no node sees do not stop the factor.
+        BlockRows rows(level.nodes);
+        for (std::uint32_t i = 0; i < level.nodes; ++i)
+            for (std::size_t k = level.sum.offset[i]; k < level.sum.offset[i + 1]; ++k)
+                rows.add(i, level.sum.column[k], level.sum.value[k]);
+        level.patches.add_to(rows);
+        const BlockMatrix all = rows.compressed();
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * Eigen::Index(level.nodes), 3 * Eigen::Index(level.nodes));
+        for (std::size_t i = 0; i < level.nodes; ++i)
+            for (std::size_t k = all.offset[i]; k < all.offset[i + 1]; ++k)
+                for (Eigen::Index a = 0; a < 3; ++a)
+                    for (Eigen::Index b = 0; b < 3; ++b)
+                        A(3 * Eigen::Index(i) + a, 3 * Eigen::Index(all.column[k]) + b) = all.value[k](a, b);
+        const double shift = std::max(1e-10 * A.diagonal().maxCoeff(), 1e-300);
+        A.diagonal().array() += shift;
+        factor_->llt.compute(A);
+        factor_->b.resize(A.rows());
+    }
+}
+
+double RestMultigrid::largest_eigenvalue(std::size_t l, const Threads& threads) {
+    Level& level = levels_[l];
+    for (std::size_t i = 0; i < level.nodes; ++i) {
+        const auto wave = [&](double k) { return std::sin(k * static_cast<double>(i + 1)); };
+        level.d[i] = {wave(1.7), wave(2.9), wave(4.3)};
+    }
+    if (l == 0) apply_mask(level.d, free_, threads);
+    double lambda = 0;
+    for (int k = 0; k < power_iterations; ++k) {
+        const double size = std::sqrt(inner(level.d, level.d, threads));
+        if (!(size > 0)) return 1;
+        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) { level.d[i] /= size; });
+        multiply(l, level.d, level.t, threads);
+        level.jacobi.apply(level.t, level.d, threads);
+        lambda = std::sqrt(inner(level.d, level.d, threads));
+    }
+    return lambda;
+}
+
+void RestMultigrid::multiply(std::size_t l, std::span<const Vec3> d, std::span<Vec3> out, const Threads& threads) {
+    Level& level = levels_[l];
+    if (l == 0) {
+        stiffness_action(model_, model_.rest, d, work_, threads, out);
+        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
+            out[i] = times(free_[i], stiffness_ * out[i]) + inertia_ * times(level.mass[i], d[i]);
+        });
+    } else {
+        level.sum.multiply(d, out, threads);
+    }
+    level.patches.add_action(d, out);
+}
+
+/// Chebyshev polynomial in D^-1 A over [largest/range, largest] (Saad, Iterative Methods for Sparse Linear Systems,
+/// algorithm 12.1): adds to x what it makes of the residual r, which it updates but for the last change d.
+void RestMultigrid::smooth(std::size_t l, bool from_zero, const Threads& threads) {
+    Level& level = levels_[l];
+    const int degree = l == 0 ? degree_ : std::min(degree_, 2);
+    const double high = level.largest, low = high / smoothing_range(degree);
+    const double middle = 0.5 * (high + low), half = 0.5 * (high - low), sigma = middle / half;
+    double rho = 1 / sigma;
+    for (int k = 0; k < degree; ++k) {
+        double keep = 0, take = 1 / middle;
+        if (k > 0) {
+            multiply(l, level.d, level.t, threads);
+            add_scaled(level.r, -1, level.t, threads);
+            const double next = 1 / (2 * sigma - rho);
+            keep = next * rho, take = 2 * next / half;
+            rho = next;
+        }
+        level.jacobi.apply(level.r, level.t, threads);
+        const bool first = k == 0 && from_zero;
+        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
+            level.d[i] = keep * (k > 0 ? level.d[i] : Vec3{}) + take * level.t[i];
+            level.x[i] = first ? level.d[i] : level.x[i] + level.d[i];
+        });
+    }
+}
+
+void RestMultigrid::cycle(std::size_t l, const Threads& threads) {
+    Level& level = levels_[l];
+    if (l + 1 == levels_.size()) {
+        for (std::size_t i = 0; i < level.nodes; ++i)
+            for (std::size_t d = 0; d < 3; ++d) factor_->b[static_cast<Eigen::Index>(3 * i + d)] = level.r[i][d];
+        factor_->llt.solveInPlace(factor_->b);
+        for (std::size_t i = 0; i < level.nodes; ++i)
+            for (std::size_t d = 0; d < 3; ++d) level.x[i][d] = factor_->b[static_cast<Eigen::Index>(3 * i + d)];
+        return;
+    }
+    // Smooth, solve what is left on the coarser level, smooth again.
+    smooth(l, true, threads);
+    multiply(l, level.d, level.t, threads);
+    add_scaled(level.r, -1, level.t, threads);
+    Level& next = levels_[l + 1];
+    const auto gather = [&](const SparseRows& rows, std::span<const Vec3> from, std::span<Vec3> to) {
+        threads.for_each(to.size(), 256, [&](std::size_t i) {
+            Vec3 sum{};
+            for (std::uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k)
+                sum += rows.value[k] * from[rows.column[k]];
+            to[i] = sum;
+        });
+    };
+    gather(level.coarsening.restriction, level.r, next.r);
+    cycle(l + 1, threads);
+    gather(level.coarsening.prolongation, next.x, level.d);
+    if (l == 0) apply_mask(level.d, free_, threads);
+    multiply(l, level.d, level.t, threads);
+    threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
+        level.r[i] -= level.t[i];
+        level.x[i] += level.d[i];
+    });
+    smooth(l, false, threads);
+}
+
+void RestMultigrid::apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) {
+    Level& fine = levels_.front();
+    threads.for_each(r.size(), node_chunk, [&](std::size_t i) { fine.r[i] = times(free_[i], r[i]); });
+    cycle(0, threads);
+    std::copy(fine.x.begin(), fine.x.end(), z.begin());
+}
+
+}  // namespace phyxel

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "forces/internal_forces.h"
+#include "solver/patch_rows.h"
+
+namespace phyxel {
+
+/// Approximate inverse of A = s K(rest) + c M + penalties by one V-cycle of geometric multigrid: lattices of twice,
+/// four times ... the spacing with trilinear interpolation and Galerkin operators, smoothed by Chebyshev polynomials
+/// over block Jacobi, and a Cholesky factor where few unknowns are left. Symmetric and positive definite. Held
+/// components stay zero.
+///
+/// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedMultigrid`).
+class RestMultigrid {
+public:
+    RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads);
+    ~RestMultigrid();
+    RestMultigrid(RestMultigrid&&) noexcept;
+
+    /// Sets s and c [1/s^2]; the operators are put together anew when they changed.
+    void set_weights(double stiffness, double inertia, const Threads& threads);
+
+    /// z = V r.
+    void apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads);
+
+    std::span<const Vec3> free() const { return free_; }  ///< [nodes] 1 for components that may move, else 0
+
+private:
+    struct Level;
+    struct CoarseFactor;
+
+    void multiply(std::size_t level, std::span<const Vec3> d, std::span<Vec3> out, const Threads& threads);
+    void smooth(std::size_t level, bool from_zero, const Threads& threads);
+    void cycle(std::size_t level, const Threads& threads);
+    double largest_eigenvalue(std::size_t level, const Threads& threads);
+
+    const Model& model_;
+    std::vector<Vec3> free_;
+    std::vector<Mat3> diagonal_;  ///< [nodes] of K(rest)
+    std::vector<Level> levels_;   ///< [0] the nodes themselves
+    std::unique_ptr<CoarseFactor> factor_;
+    double stiffness_ = 0, inertia_ = -1;
+    int degree_ = 1;
+    ForceWorkspace work_;
+};
+
+}  // namespace phyxel
