@@ -94,6 +94,12 @@ ConsistencyBlocks cut_into_blocks(const ConsistencyInput& input, std::size_t blo
         result.node.push_back(item.node);
         result.position.push_back(item.position);
     }
+
+    // the linear functions on each block
+    for (const Block& block : result.blocks) {
+        const std::vector<double> ones(block.end - block.begin, 1.0);
+        result.linear.push_back(fit_linear(std::span(result.position).subspan(block.begin, ones.size()), ones));
+    }
     return result;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "approximation/consistency.h"
+#include "approximation/consistency_fit.h"
 
 namespace phyxel {
 
@@ -20,6 +21,7 @@ struct ConsistencyBlocks {
     std::vector<std::uint32_t> number;  // [nodes] number in the zone, or `none`
     std::vector<Vec3> position;         // [zone nodes] [m]
     std::vector<Block> blocks;
+    std::vector<LinearFit> linear;               // [blocks] the linear functions of each, orthonormal on its nodes
     std::vector<std::uint32_t> component_begin;  // [components + 1] first node of each connected part
 
     std::size_t size() const { return node.size(); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "approximation/consistency.h"
+#include "base/simd.h"
 
 namespace phyxel {
 
@@ -26,7 +27,10 @@ struct WeightedStencil {
     std::vector<Vec3> position;  // e_i = (X_i - X_q)/h_q
     std::vector<double> weight;  // w_i
 
+    std::vector<Double4> linear;  // v_k(e_i), k = 0 to 3, filled by `evaluate`
+
     void load(const ConsistencyInput& input, std::size_t point);
+    void evaluate(const LinearFit& fit);
     std::size_t size() const { return node.size(); }
 };
 
@@ -34,7 +38,7 @@ struct WeightedStencil {
 LinearFit fit_linear(std::span<const Vec3> position, std::span<const double> weight);
 
 /// change_i = w_i (lambda_i - linear fit of lambda), that is S_q lambda. `lambda` holds one value per node of the
-/// stencil and is overwritten.
-void apply_projector(const WeightedStencil& stencil, const LinearFit& fit, std::span<Vec3> lambda);
+/// stencil and is overwritten; the stencil is left with `fit` evaluated.
+void apply_projector(WeightedStencil& stencil, const LinearFit& fit, std::span<Vec3> lambda);
 
 }  // namespace phyxel

@@ -1,160 +1,198 @@
 #include "approximation/consistency_matrix.h"
 
 #include <algorithm>
+#include <array>
+
+#include "base/scratch_pool.h"
 
 namespace phyxel {
 
 namespace {
 
-/// For each block the points that see a node of it, ascending.
-struct PointsOfBlocks {
-    std::vector<std::size_t> offset;  // [blocks + 1]
+/// Blocks whose rows are summed side by side, so that what is computed for a point serves all of them.
+constexpr std::size_t blocks_a_group = 8;
+constexpr std::size_t blocks_a_chunk = 4;
+
+/// row_j -= sum_k a_k f_k(j), entry j of a row being `place[j]` behind its first. (A version for AVX2 was slower: the
+/// compiler then gathers.)
+void subtract(const float (&a)[4], const std::array<std::vector<float>, 4>& f, std::span<const std::uint32_t> place,
+              float* term, float* row) {
+    const float *f0 = f[0].data(), *f1 = f[1].data(), *f2 = f[2].data(), *f3 = f[3].data();
+    const std::size_t n = place.size();
+    for (std::size_t j = 0; j < n; ++j) term[j] = a[0] * f0[j] + a[1] * f1[j] + a[2] * f2[j] + a[3] * f3[j];
+    for (std::size_t j = 0; j < n; ++j) row[place[j]] -= term[j];
+}
+/// For each group of blocks the points that see a node of it, ascending.
+struct PointsOfGroups {
+    std::vector<std::size_t> offset;  // [groups + 1]
     std::vector<std::uint32_t> point;
 };
 
-PointsOfBlocks points_of_blocks(const ConsistencyInput& input, const ConsistencyBlocks& blocks) {
-    std::vector<std::uint32_t> block_of(blocks.size());
-    for (std::uint32_t b = 0; b < blocks.blocks.size(); ++b)
-        std::fill(block_of.begin() + blocks.blocks[b].begin, block_of.begin() + blocks.blocks[b].end, b);
-
-    PointsOfBlocks result;
-    result.offset.assign(blocks.blocks.size() + 1, 0);
+PointsOfGroups points_of_groups(const ConsistencyInput& input, const ConsistencyBlocks& blocks,
+                                std::span<const std::uint32_t> block_of, std::size_t groups) {
+    PointsOfGroups result;
+    result.offset.assign(groups + 1, 0);
     const auto for_each_incidence = [&](auto&& visit) {
-        std::vector<std::uint32_t> last(blocks.blocks.size(), ConsistencyBlocks::none);
+        std::vector<std::uint32_t> last(groups, ConsistencyBlocks::none);
         for (std::uint32_t q = 0; q < input.points.size(); ++q)
             for (std::size_t pair = input.offset[q]; pair < input.offset[q + 1]; ++pair) {
-                const std::uint32_t b = block_of[blocks.number[input.node[pair]]];
-                if (last[b] == q) continue;
-                last[b] = q;
-                visit(b, q);
+                const std::size_t g = block_of[blocks.number[input.node[pair]]] / blocks_a_group;
+                if (last[g] == q) continue;
+                last[g] = q;
+                visit(g, q);
             }
     };
-    for_each_incidence([&](std::uint32_t b, std::uint32_t) { ++result.offset[b + 1]; });
-    for (std::size_t b = 0; b < blocks.blocks.size(); ++b) result.offset[b + 1] += result.offset[b];
+    for_each_incidence([&](std::size_t g, std::uint32_t) { ++result.offset[g + 1]; });
+    for (std::size_t g = 0; g < groups; ++g) result.offset[g + 1] += result.offset[g];
     result.point.resize(result.offset.back());
     std::vector<std::size_t> next(result.offset.begin(), result.offset.end() - 1);
-    for_each_incidence([&](std::uint32_t b, std::uint32_t q) { result.point[next[b]++] = q; });
+    for_each_incidence([&](std::size_t g, std::uint32_t q) { result.point[next[g]++] = q; });
     return result;
 }
 
-/// Scratch of one thread's share: the rows of a block as a dense matrix over the nodes that it meets.
-class BlockRows {
+/// Sums up the rows of a group of blocks. One object a thread.
+class GroupAssembly {
 public:
-    explicit BlockRows(std::size_t zone_nodes) : local_(zone_nodes, ConsistencyBlocks::none) {}
-
-    void start(const ConsistencyBlocks::Block& block, const ConsistencyInput& input, const ConsistencyBlocks& blocks,
-               std::span<const std::uint32_t> points) {
-        block_ = block;
-        columns_.clear();
-        for (const std::uint32_t q : points)
-            for (std::size_t pair = input.offset[q]; pair < input.offset[q + 1]; ++pair) {
-                const std::uint32_t j = blocks.number[input.node[pair]];
-                if (local_[j] != ConsistencyBlocks::none) continue;
-                local_[j] = 0;
-                columns_.push_back(j);
-            }
-        std::sort(columns_.begin(), columns_.end());
-        for (std::uint32_t k = 0; k < columns_.size(); ++k) local_[columns_[k]] = k;
-        dense_.assign((block.end - block.begin) * columns_.size(), 0.0);
+    GroupAssembly(const ConsistencyInput& input, std::span<const LinearFit> fits, const ConsistencyBlocks& blocks,
+                  std::span<const std::uint32_t> block_of)
+        : input_(input), fits_(fits), blocks_(blocks), block_of_(block_of) {
+        for (auto& local : local_) local.assign(blocks.size(), ConsistencyBlocks::none);
     }
 
-    /// Adds V (W - (W v)(W v)^T) to the rows of the block.
-    void add(const WeightedStencil& stencil, const LinearFit& fit, double volume,
-             std::span<const std::uint32_t> number) {
-        const std::size_t n = stencil.size();
-        place_.resize(n);
-        term_.resize(n);
-        for (auto& f : function_) f.resize(n);
-        for (std::size_t j = 0; j < n; ++j) {
-            place_[j] = local_[number[stencil.node[j]]];
-            for (std::size_t k = 0; k < 4; ++k) function_[k][j] = stencil.weight[j] * fit(k, stencil.position[j]);
-        }
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::uint32_t row = number[stencil.node[i]];
-            if (row < block_.begin || row >= block_.end) continue;
-            const double a0 = volume * function_[0][i], a1 = volume * function_[1][i];
-            const double a2 = volume * function_[2][i], a3 = volume * function_[3][i];
-            double* const out = &dense_[(row - block_.begin) * columns_.size()];
-            for (std::size_t j = 0; j < n; ++j)
-                term_[j] = a0 * function_[0][j] + a1 * function_[1][j] + a2 * function_[2][j] + a3 * function_[3][j];
-            for (std::size_t j = 0; j < n; ++j) out[place_[j]] -= term_[j];
-            out[place_[i]] += volume * stencil.weight[i];
-        }
-    }
-
-    /// Hands each entry (row, column, value) that is not zero or on the diagonal to `visit`, in order.
-    template <class Visit>
-    void finish(Visit&& visit) {
-        for (std::uint32_t row = block_.begin; row < block_.end; ++row)
-            for (std::size_t k = 0; k < columns_.size(); ++k) {
-                const double value = dense_[(row - block_.begin) * columns_.size() + k];
-                if (value != 0 || columns_[k] == row) visit(row, columns_[k], value);
-            }
-        for (const std::uint32_t j : columns_) local_[j] = ConsistencyBlocks::none;
+    /// Rows [first, last) of S, from the points that see them.
+    void run(std::size_t first, std::size_t last, std::span<const std::uint32_t> points, ConsistencyMatrix& S) {
+        first_ = first;
+        last_ = last;
+        find_columns(points, S);
+        for (const std::uint32_t q : points) add_point(q, S);
+        for (std::size_t b = first; b < last; ++b)
+            for (const std::uint32_t j : S.rows[b].column) local_[b - first][j] = ConsistencyBlocks::none;
     }
 
 private:
-    ConsistencyBlocks::Block block_;
-    std::vector<std::uint32_t> local_, columns_, place_;
-    std::vector<double> dense_, term_;
-    std::array<std::vector<double>, 4> function_;
-};
+    /// Calls `visit(b)` once for each block of the group that holds a node of point q; fills in the nodes' new numbers.
+    template <class Visit>
+    void visit_blocks(std::uint32_t q, Visit&& visit) {
+        number_.clear();
+        unsigned met = 0;
+        for (std::size_t pair = input_.offset[q]; pair < input_.offset[q + 1]; ++pair) {
+            number_.push_back(blocks_.number[input_.node[pair]]);
+            const std::size_t b = block_of_[number_.back()] - first_;
+            if (b < last_ - first_) met |= 1u << b;
+        }
+        for (std::size_t b = 0; b < last_ - first_; ++b)
+            if (met >> b & 1) visit(b);
+    }
 
-struct Entries {
-    std::vector<std::uint32_t> column;
-    std::vector<double> value;
-};
+    /// Who meets whom.
+    void find_columns(std::span<const std::uint32_t> points, ConsistencyMatrix& S) {
+        for (const std::uint32_t q : points)
+            visit_blocks(q, [&](std::size_t b) {
+                for (const std::uint32_t j : number_) {
+                    if (local_[b][j] != ConsistencyBlocks::none) continue;
+                    local_[b][j] = 0;
+                    S.rows[first_ + b].column.push_back(j);
+                }
+            });
+        for (std::size_t b = first_; b < last_; ++b) {
+            ConsistencyMatrix::Rows& rows = S.rows[b];
+            const ConsistencyBlocks::Block& block = blocks_.blocks[b];
+            std::sort(rows.column.begin(), rows.column.end());
+            for (std::uint32_t k = 0; k < rows.column.size(); ++k) local_[b - first_][rows.column[k]] = k;
+            rows.own = local_[b - first_][block.begin];
+            rows.value = Panel(block.end - block.begin, rows.column.size());
+        }
+    }
 
-constexpr std::size_t blocks_a_chunk = 4, rows_a_chunk = 512;
+    /// Adds V (W - (W v)(W v)^T) to the rows of the group.
+    void add_point(std::uint32_t q, ConsistencyMatrix& S) {
+        stencil_.load(input_, q);
+        stencil_.evaluate(fits_[q]);
+        const std::size_t n = stencil_.size();
+        term_.resize(n);
+        for (auto& f : function_) f.resize(n);
+        for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t k = 0; k < 4; ++k)
+                function_[k][j] = static_cast<float>(stencil_.weight[j] * stencil_.linear[j].lane[k]);
+        const auto volume = static_cast<float>(input_.volumes[q]);
+        visit_blocks(q, [&](std::size_t b) {
+            place_.clear();
+            for (const std::uint32_t j : number_)
+                place_.push_back(static_cast<std::uint32_t>(Panel::group) * local_[b][j]);
+            for (std::size_t i = 0; i < n; ++i) {
+                if (block_of_[number_[i]] != first_ + b) continue;
+                float* const row = S.rows[first_ + b].value.row(number_[i] - blocks_.blocks[first_ + b].begin);
+                const float a[4] = {volume * function_[0][i], volume * function_[1][i], volume * function_[2][i],
+                                    volume * function_[3][i]};
+                subtract(a, function_, place_, term_.data(), row);
+                row[place_[i]] += volume * static_cast<float>(stencil_.weight[i]);
+            }
+        });
+    }
+
+    const ConsistencyInput& input_;
+    std::span<const LinearFit> fits_;
+    const ConsistencyBlocks& blocks_;
+    std::span<const std::uint32_t> block_of_;
+    std::size_t first_ = 0, last_ = 0;
+    std::array<std::vector<std::uint32_t>, blocks_a_group> local_;  // [zone nodes] column of a node, or `none`
+    WeightedStencil stencil_;
+    std::vector<std::uint32_t> number_, place_;
+    std::array<std::vector<float>, 4> function_;
+    std::vector<float> term_;
+};
 
 }  // namespace
 
-void ConsistencyMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y, const Threads& threads) const {
-    threads.for_each(size(), rows_a_chunk, [&](std::size_t i) {
-        Vec3 sum;
-        for (std::size_t k = row[i]; k < row[i + 1]; ++k) sum += value[k] * x[column[k]];
-        y[i] = sum;
+void ConsistencyMatrix::multiply(const ConsistencyBlocks& blocks, std::span<const Vec3> x, std::span<Vec3> y,
+                                 const Threads& threads) const {
+    threads.for_chunks(rows.size(), blocks_a_chunk, [&](std::size_t chunk_begin, std::size_t chunk_end) {
+        std::vector<Vec3f> rest, product;
+        for (std::size_t b = chunk_begin; b < chunk_end; ++b) {
+            const auto [begin, end] = blocks.blocks[b];
+            // the linear function that fits x on the block: value + slope (x) X
+            Vec3 value;
+            std::array<Vec3, 3> slope{};
+            const LinearFit& fit = blocks.linear[b];
+            for (std::size_t k = 0; k < 4; ++k) {
+                Vec3 moment;
+                for (std::uint32_t i = begin; i < end; ++i) moment += fit(k, blocks.position[i]) * x[i];
+                value += fit.value[k] * moment;
+                for (std::size_t c = 0; c < 3; ++c) slope[c] += fit.slope[k][c] * moment;
+            }
+            rest.clear();
+            for (const std::uint32_t j : rows[b].column) {
+                const Vec3& X = blocks.position[j];
+                rest.push_back(vector_cast<float>(x[j] - (value + X.x * slope[0] + X.y * slope[1] + X.z * slope[2])));
+            }
+            product.resize(end - begin);
+            rows[b].value.multiply(rest, product);
+            for (std::uint32_t i = begin; i < end; ++i) y[i] = vector_cast<double>(product[i - begin]);
+        }
     });
 }
 
 ConsistencyMatrix assemble(const ConsistencyInput& input, std::span<const LinearFit> fits,
                            const ConsistencyBlocks& blocks, const Threads& threads) {
-    const PointsOfBlocks seen = points_of_blocks(input, blocks);
-    ConsistencyMatrix S;
-    S.row.assign(blocks.size() + 1, 0);
-    S.diagonal.resize(blocks.size());
+    const std::size_t count = blocks.blocks.size(), groups = (count + blocks_a_group - 1) / blocks_a_group;
+    std::vector<std::uint32_t> block_of(blocks.size());
+    for (std::uint32_t b = 0; b < count; ++b)
+        std::fill(block_of.begin() + blocks.blocks[b].begin, block_of.begin() + blocks.blocks[b].end, b);
+    const PointsOfGroups seen = points_of_groups(input, blocks, block_of, groups);
 
-    // Each block's rows by themselves, some blocks at a time: rows of all blocks, to be joined in the end, would take
-    // twice the memory. What is reserved beyond the need is never touched.
-    constexpr std::size_t batch = 8 * blocks_a_chunk, most_entries_a_row = 512;
-    S.column.reserve(std::min(blocks.size() * blocks.size(), blocks.size() * most_entries_a_row));
-    S.value.reserve(S.column.capacity());
-    for (std::size_t first = 0; first < blocks.blocks.size(); first += batch) {
-        std::vector<Entries> entries(std::min(batch, blocks.blocks.size() - first));
-        threads.for_chunks(entries.size(), blocks_a_chunk, [&](std::size_t begin, std::size_t end) {
-            BlockRows rows(blocks.size());
-            WeightedStencil stencil;
-            for (std::size_t b = first + begin; b < first + end; ++b) {
-                const auto points = std::span(seen.point).subspan(seen.offset[b], seen.offset[b + 1] - seen.offset[b]);
-                rows.start(blocks.blocks[b], input, blocks, points);
-                for (const std::uint32_t q : points) {
-                    stencil.load(input, q);
-                    rows.add(stencil, fits[q], input.volumes[q], blocks.number);
-                }
-                rows.finish([&](std::uint32_t i, std::uint32_t j, double value) {
-                    entries[b - first].column.push_back(j);
-                    entries[b - first].value.push_back(value);
-                    ++S.row[i + 1];
-                    if (i == j) S.diagonal[i] = value;
-                });
-            }
-        });
-        for (const Entries& block : entries) {
-            S.column.insert(S.column.end(), block.column.begin(), block.column.end());
-            S.value.insert(S.value.end(), block.value.begin(), block.value.end());
-        }
-    }
-    for (std::size_t i = 0; i < blocks.size(); ++i) S.row[i + 1] += S.row[i];
+    ConsistencyMatrix S;
+    S.rows.resize(count);
+    S.diagonal.resize(blocks.size());
+    ScratchPool<GroupAssembly> scratch(
+        [&] { return std::make_unique<GroupAssembly>(input, fits, blocks, std::span(block_of)); });
+    threads.for_each(groups, 1, [&](std::size_t g) {
+        const std::size_t first = g * blocks_a_group, last = std::min(first + blocks_a_group, count);
+        const auto points = std::span(seen.point).subspan(seen.offset[g], seen.offset[g + 1] - seen.offset[g]);
+        scratch.with([&](GroupAssembly& assembly) { assembly.run(first, last, points, S); });
+        for (std::size_t b = first; b < last; ++b)
+            for (std::uint32_t i = blocks.blocks[b].begin, k = 0; i < blocks.blocks[b].end; ++i, ++k)
+                S.diagonal[i] = static_cast<double>(S.rows[b].value.at(k, S.rows[b].own + k));
+    });
     return S;
 }
 

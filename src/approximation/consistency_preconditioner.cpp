@@ -3,7 +3,7 @@
 #define EIGEN_MPL2_ONLY
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 namespace phyxel {
@@ -24,38 +24,33 @@ constexpr double negligible_energy = 1e-10;
 constexpr Eigen::Index dense_coarse_limit = 1500;
 constexpr std::size_t blocks_a_chunk = 16;
 
-/// Cholesky factor of D S_bb D + shift with D = diag(S_bb)^-1/2, in single precision: it only has to be roughly right.
-struct LocalFactor {
-    Eigen::MatrixXf lower;
-    Eigen::VectorXd scale;  // D
-
-    void factor(const ConsistencyMatrix& S, const Block& block) {
-        const auto n = static_cast<Eigen::Index>(block.end - block.begin);
-        scale.resize(n);
-        for (std::uint32_t i = block.begin; i < block.end; ++i)
-            scale[i - block.begin] = S.diagonal[i] > 0 ? 1 / std::sqrt(S.diagonal[i]) : 0;
-        Eigen::MatrixXf scaled = Eigen::MatrixXf::Zero(n, n);
-        for (std::uint32_t i = block.begin; i < block.end; ++i)
-            for (std::size_t e = S.row[i]; e < S.row[i + 1] && S.column[e] < i; ++e)
-                if (S.column[e] >= block.begin) {
-                    const auto row = i - block.begin, column = S.column[e] - block.begin;
-                    scaled(row, column) = static_cast<float>(scale[row] * S.value[e] * scale[column]);
-                }
-        for (float shift = local_shift;; shift *= 10) {
-            lower = scaled;
-            lower.diagonal().setConstant(1 + shift);
-            const Eigen::LLT<Eigen::Ref<Eigen::MatrixXf>> cholesky(lower);
-            if (cholesky.info() == Eigen::Success) return;
-        }
+/// (S_bb + shift)^-1 by a Cholesky factor of D S_bb D + shift with D = diag(S_bb)^-1/2, in single precision: it only
+/// has to be roughly right.
+Panel local_inverse(const ConsistencyMatrix& S, const ConsistencyMatrix::Rows& rows, const Block& block) {
+    const auto n = static_cast<Eigen::Index>(block.end - block.begin);
+    Eigen::VectorXf scale(n);
+    for (std::uint32_t i = block.begin; i < block.end; ++i)
+        scale[i - block.begin] = S.diagonal[i] > 0 ? static_cast<float>(1 / std::sqrt(S.diagonal[i])) : 0;
+    Eigen::MatrixXf scaled = Eigen::MatrixXf::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < i; ++j)
+            scaled(i, j) = scale[i] * scale[j] *
+                           rows.value.at(static_cast<std::size_t>(i), rows.own + static_cast<std::size_t>(j));
+    Eigen::MatrixXf inverse;
+    for (float shift = local_shift;; shift *= 10) {
+        scaled.diagonal().setConstant(1 + shift);
+        const Eigen::LLT<Eigen::MatrixXf> cholesky(scaled);
+        if (cholesky.info() != Eigen::Success) continue;
+        inverse = cholesky.solve(Eigen::MatrixXf::Identity(n, n));
+        break;
     }
-
-    Eigen::MatrixX3d solve(const Eigen::MatrixX3d& b) const {
-        Eigen::MatrixX3f x = (scale.asDiagonal() * b).cast<float>();
-        lower.triangularView<Eigen::Lower>().solveInPlace(x);
-        lower.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
-        return scale.asDiagonal() * x.cast<double>();
-    }
-};
+    Panel panel(static_cast<std::size_t>(n), static_cast<std::size_t>(n));
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j)
+            panel.row(static_cast<std::size_t>(i))[static_cast<std::size_t>(j) * Panel::group] =
+                scale[i] * scale[j] * inverse(std::max(i, j), std::min(i, j));
+    return panel;
+}
 
 /// The coarse problem Z^T S Z, Z the orthonormal linear functions of each block.
 class Coarse {
@@ -65,6 +60,9 @@ public:
     Eigen::Index size() const { return scale_.size(); }
     /// (4, nodes) values of the four functions of `block`.
     auto functions(const Block& block) const { return values_.middleCols(block.begin, block.end - block.begin); }
+
+    /// (4) values at node i.
+    auto function(std::uint32_t i) const { return values_.col(i); }
 
     /// right-hand side and solution: rows 4 b to 4 b + 3 belong to block b
     void solve(Eigen::MatrixX3d& c) const {
@@ -90,11 +88,10 @@ void Coarse::build(const ConsistencyMatrix& S, const ConsistencyBlocks& blocks, 
     std::vector<std::uint32_t> block_of(blocks.size());
     threads.for_each(count, blocks_a_chunk, [&](std::size_t b) {
         const Block& block = blocks.blocks[b];
-        const std::vector<double> ones(block.end - block.begin, 1.0);
-        const LinearFit fit = fit_linear(std::span(blocks.position).subspan(block.begin, ones.size()), ones);
         for (std::uint32_t i = block.begin; i < block.end; ++i) {
             block_of[i] = static_cast<std::uint32_t>(b);
-            for (std::size_t k = 0; k < 4; ++k) values_(static_cast<int>(k), i) = fit(k, blocks.position[i]);
+            for (std::size_t k = 0; k < 4; ++k)
+                values_(static_cast<int>(k), i) = blocks.linear[b](k, blocks.position[i]);
             energy_of_diagonal.segment<4>(static_cast<Eigen::Index>(4 * b)) +=
                 S.diagonal[i] * values_.col(i).cwiseAbs2();
         }
@@ -103,29 +100,22 @@ void Coarse::build(const ConsistencyMatrix& S, const ConsistencyBlocks& blocks, 
     // lower triangle of Z^T S Z, the rows of one block after another
     using Triplet = Eigen::Triplet<double, Eigen::Index>;
     std::vector<std::vector<Triplet>> triplets(count);
-    threads.for_chunks(count, blocks_a_chunk, [&](std::size_t chunk_begin, std::size_t chunk_end) {
-        std::vector<Eigen::Matrix4d> product(count, Eigen::Matrix4d::Zero());
-        std::vector<char> met(count, 0);
-        std::vector<std::uint32_t> meets;
-        for (std::size_t b = chunk_begin; b < chunk_end; ++b) {
-            meets.clear();
-            for (std::uint32_t i = blocks.blocks[b].begin; i < blocks.blocks[b].end; ++i)
-                for (std::size_t e = S.row[i]; e < S.row[i + 1] && S.column[e] < blocks.blocks[b].end;) {
-                    const std::uint32_t other = block_of[S.column[e]];
-                    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-                    for (; e < S.row[i + 1] && S.column[e] < blocks.blocks[other].end; ++e)
-                        sum += S.value[e] * values_.col(S.column[e]);
-                    if (!met[other]) met[other] = 1, meets.push_back(other);
-                    product[other] += values_.col(i) * sum.transpose();
-                }
-            for (const std::uint32_t other : meets) {
-                for (Eigen::Index r = 0; r < 4; ++r)
-                    for (Eigen::Index c = 0; c < (other == b ? r + 1 : 4); ++c)
-                        triplets[b].emplace_back(static_cast<Eigen::Index>(4 * b) + r, 4 * Eigen::Index(other) + c,
-                                                 product[other](r, c));
-                met[other] = 0;
-                product[other].setZero();
+    threads.for_each(count, blocks_a_chunk, [&](std::size_t b) {
+        const auto& [column, own, value] = S.rows[b];
+        const std::size_t rows = value.rows();
+        for (std::size_t e = 0; e < own + rows;) {
+            const std::uint32_t other = block_of[column[e]];
+            Eigen::Matrix4d product = Eigen::Matrix4d::Zero();
+            for (; e < column.size() && column[e] < blocks.blocks[other].end; ++e) {
+                Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+                for (std::size_t i = 0; i < rows; ++i)
+                    sum += static_cast<double>(value.at(i, e)) * values_.col(blocks.blocks[b].begin + i);
+                product += sum * values_.col(column[e]).transpose();
             }
+            for (Eigen::Index r = 0; r < 4; ++r)
+                for (Eigen::Index c = 0; c < (other == b ? r + 1 : 4); ++c)
+                    triplets[b].emplace_back(static_cast<Eigen::Index>(4 * b) + r, 4 * Eigen::Index(other) + c,
+                                             product(r, c));
         }
     });
     std::vector<Triplet> all;
@@ -152,15 +142,16 @@ void Coarse::factor(Eigen::SparseMatrix<double> A, const Eigen::VectorXd& energy
 
 struct ConsistencyPreconditioner::Parts {
     const ConsistencyBlocks& blocks;
-    std::vector<LocalFactor> local;  // [blocks]
+    std::vector<Panel> local;  // [blocks]
     Coarse coarse;
     Eigen::MatrixX3d moments;  // (4 blocks, 3)
 };
 
 ConsistencyPreconditioner::ConsistencyPreconditioner(const ConsistencyMatrix& S, const ConsistencyBlocks& blocks,
                                                      const Threads& threads)
-    : parts_(new Parts{blocks, std::vector<LocalFactor>(blocks.blocks.size()), {}, {}}) {
-    threads.for_each(blocks.blocks.size(), 1, [&](std::size_t b) { parts_->local[b].factor(S, blocks.blocks[b]); });
+    : parts_(new Parts{blocks, std::vector<Panel>(blocks.blocks.size()), {}, {}}) {
+    threads.for_each(blocks.blocks.size(), 1,
+                     [&](std::size_t b) { parts_->local[b] = local_inverse(S, S.rows[b], blocks.blocks[b]); });
     parts_->coarse.build(S, blocks, threads);
     parts_->moments.resize(parts_->coarse.size(), 3);
 }
@@ -170,23 +161,26 @@ ConsistencyPreconditioner::~ConsistencyPreconditioner() = default;
 void ConsistencyPreconditioner::apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) {
     using Columns = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>;
     Parts& parts = *parts_;
-    const auto columns = [](std::span<const Vec3> v, const Block& block) {
-        return Columns(&v[block.begin].x, block.end - block.begin, 3);
-    };
     threads.for_each(parts.blocks.blocks.size(), blocks_a_chunk, [&](std::size_t b) {
         const Block& block = parts.blocks.blocks[b];
         parts.moments.middleRows<4>(static_cast<Eigen::Index>(4 * b)).noalias() =
-            parts.coarse.functions(block) * columns(r, block);
+            parts.coarse.functions(block) * Columns(&r[block.begin].x, block.end - block.begin, 3);
     });
     parts.coarse.solve(parts.moments);
-    threads.for_each(parts.blocks.blocks.size(), blocks_a_chunk, [&](std::size_t b) {
-        const Block& block = parts.blocks.blocks[b];
-        Eigen::MatrixX3d x = parts.local[b].solve(columns(r, block));
-        x += coarse_factor * (parts.coarse.functions(block).transpose() *
-                              parts.moments.middleRows<4>(static_cast<Eigen::Index>(4 * b)));
-        for (std::uint32_t i = block.begin; i < block.end; ++i) {
-            const Eigen::Index k = i - block.begin;
-            z[i] = {x(k, 0), x(k, 1), x(k, 2)};
+    threads.for_chunks(parts.blocks.blocks.size(), blocks_a_chunk, [&](std::size_t chunk_begin, std::size_t chunk_end) {
+        std::vector<Vec3f> single, solved;
+        for (std::size_t b = chunk_begin; b < chunk_end; ++b) {
+            const auto [begin, end] = parts.blocks.blocks[b];
+            single.clear();
+            for (std::uint32_t i = begin; i < end; ++i) single.push_back(vector_cast<float>(r[i]));
+            solved.resize(end - begin);
+            parts.local[b].multiply(single, solved);
+            const Eigen::Matrix<double, 4, 3> smooth =
+                coarse_factor * parts.moments.middleRows<4>(static_cast<Eigen::Index>(4 * b));
+            for (std::uint32_t i = begin; i < end; ++i) {
+                const Eigen::RowVector3d s = parts.coarse.function(i).transpose() * smooth;
+                z[i] = vector_cast<double>(solved[i - begin]) + Vec3{s[0], s[1], s[2]};
+            }
         }
     });
 }

@@ -68,6 +68,21 @@ TEST(Consistency, constant_stress_leaves_no_force_inside_a_scanned_bunny) {
     expect_patch_test_passes_after_correction(lattice_body(mesh, body_size(mesh) / 15), 1e-2);
 }
 
+TEST(Consistency, size_of_the_body_does_not_matter) {
+    for (const double size : {1e-14, 1e14}) {
+        LatticeBody body = lattice_body(make_sphere(0.5 * size), 0.1 * size);
+        EXPECT_TRUE(body.correct().converged) << size;
+        EXPECT_LT(body.patch_error(), 1e-10) << size;
+    }
+}
+
+TEST(Consistency, strand_of_a_thousand_nodes_is_corrected) {
+    const Mat3 turn = rotation_about(normalized(Vec3{1, 2, 3}), 0.4);
+    TriangleMesh strand = make_box({150, 1.3, 1.1});
+    for (Vec3& X : strand.vertices) X = turn * X;
+    expect_patch_test_passes_after_correction(lattice_body(strand, 0.5), 1e-3);
+}
+
 TEST(Consistency, bits_do_not_depend_on_the_number_of_threads) {
     const LatticeBody body = turned_box(0.08);
     LatticeBody one = body, two = body, five = body;
