@@ -31,7 +31,7 @@ struct CellBlocks::BlockBuilder {
         bool uniform;
     };
     std::vector<Lanes> chunks;
-    std::vector<std::uint32_t> places;  ///< scratch
+    bool complete = true;  ///< no dilatation cell is cut
 
     const CellGroups::Group& group(std::uint32_t g) const { return whole.groups_.groups[g]; }
 
@@ -48,20 +48,29 @@ struct CellBlocks::BlockBuilder {
             rest.insert(rest.end(), members.begin() + static_cast<std::ptrdiff_t>(begin),
                         members.begin() + static_cast<std::ptrdiff_t>(end));
         }
-        // Windows of one size lie together, so that few lanes wait for entries that others have.
+        // Windows of one size lie together, so that few lanes wait for entries that others have; parts of one
+        // dilatation cell in one chunk.
         std::stable_sort(rest.begin(), rest.end(), [&](std::uint32_t a, std::uint32_t b) {
             const auto key = [&](std::uint32_t g) {
-                return std::tuple(group(g).kind(), whole.groups_.window_size(group(g)), group(g).cell);
+                const CellGroups::Group& of = group(g);
+                return std::tuple(of.kind(), of.joined ? of.dilatation_cell : 0, whole.groups_.window_size(of),
+                                  of.cell);
             };
             return key(a) < key(b);
         });
         for (std::size_t begin = 0, end; begin < rest.size(); begin = end) {
+            const CellGroups::Group& first = group(rest[begin]);
             end = begin + 1;
-            while (end < rest.size() && end - begin < lanes && group(rest[end]).kind() == group(rest[begin]).kind())
+            while (first.joined && end < rest.size() && group(rest[end]).dilatation_cell == first.dilatation_cell)
                 ++end;
-            chunks.push_back(
-                {{rest.begin() + static_cast<std::ptrdiff_t>(begin), rest.begin() + static_cast<std::ptrdiff_t>(end)},
-                 false});
+            const bool fits = !chunks.empty() && !chunks.back().uniform &&
+                              group(chunks.back().groups[0]).kind() == first.kind() &&
+                              chunks.back().groups.size() + (end - begin) <= lanes;
+            if (!fits) chunks.push_back({{}, false});
+            for (std::size_t i = begin; i < end; ++i) {
+                if (chunks.back().groups.size() == lanes) chunks.push_back({{}, false}), complete = false;
+                chunks.back().groups.push_back(rest[i]);
+            }
         }
     }
 
@@ -224,12 +233,14 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, Instructions 
 
     blocks_.resize(begin.size() - 1);
     std::vector<std::vector<std::uint32_t>> slot_nodes(blocks_.size());
+    std::vector<char> complete(blocks_.size());
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
         BlockBuilder builder{*this,      model,         std::span(order).subspan(begin[b], begin[b + 1] - begin[b]),
                              blocks_[b], slot_nodes[b], {},
                              {}};
         builder.run();
     });
+    matches_model_ = std::find(complete.begin(), complete.end(), 0) == complete.end();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         blocks_[b].slot_begin = static_cast<std::uint32_t>(slot_node_.size());
         slot_node_.insert(slot_node_.end(), slot_nodes[b].begin(), slot_nodes[b].end());
@@ -282,6 +293,7 @@ void CellBlocks::set_materials(const Model& model, const Threads& threads) {
         block.lame.assign(block.chunks.size() * 2 * points, 0);
         block.volume_stiffness.assign(has_volume_stiffness ? block.chunks.size() * points : 0, 0);
         block.share.assign(model.dilatation.empty() ? 0 : block.chunks.size() * points, 0);
+        block.join.assign(model.dilatation.empty() ? 0 : block.chunks.size() * lanes_, 0);
         for (std::size_t c = 0; c < block.chunks.size(); ++c) {
             CellChunk& chunk = block.chunks[c];
             chunk.lame = &block.lame[c * 2 * points];
@@ -290,16 +302,28 @@ void CellBlocks::set_materials(const Model& model, const Threads& threads) {
                 const std::uint32_t g = block.lane_group[c * lanes_ + lane];
                 if (g != no_index) fill_moduli(model, groups_.groups[g], block, c, lane);
             }
+            join_lanes(block, c);
         }
     });
+}
+
+/// Tells the lanes of a chunk which of them see the same dilatation cell.
+void CellBlocks::join_lanes(Block& block, std::size_t chunk) const {
+    const std::uint32_t* g = &block.lane_group[chunk * lanes_];
+    block.chunks[chunk].join = nullptr;
+    if (!groups_.groups[g[0]].joined) return;
+    std::uint8_t* join = &block.join[chunk * lanes_];
+    block.chunks[chunk].join = join;
+    const auto cell = [&](std::size_t lane) {
+        return g[lane] == no_index ? no_index : groups_.groups[g[lane]].dilatation_cell;
+    };
+    for (std::size_t lane = 0; lane < lanes_; ++lane)
+        while (cell(join[lane]) != cell(lane)) ++join[lane];
 }
 
 void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group, Block& block, std::size_t chunk,
                              std::size_t lane) const {
     const bool shared = group.dilatation_cell != no_index;
-    double group_volume = 0;
-    for (const std::uint32_t q : group.point)
-        if (q != no_index) group_volume += model.volumes[q];
     if (shared) block.chunks[chunk].share = &block.share[chunk * 8 * lanes_];
     for (std::size_t octant = 0; octant < 8; ++octant) {
         const std::uint32_t q = group.point[octant];
@@ -312,7 +336,9 @@ void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group,
         block.lame[2 * at + lanes_ + lane] = static_cast<float>(V * point.lame.mu);
         if (!block.volume_stiffness.empty())
             block.volume_stiffness[at + lane] = static_cast<float>(V * point.volume_stiffness);
-        if (shared) block.share[at + lane] = static_cast<float>(model.volumes[q] / group_volume);
+        if (shared)
+            block.share[at + lane] =
+                static_cast<float>(model.volumes[q] / model.dilatation.volume[group.dilatation_cell]);
     }
 }
 

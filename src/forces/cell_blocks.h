@@ -38,9 +38,9 @@ public:
     /// K d [N], K the elastic stiffness at rest: linear elasticity, dP = 2 mu sym(dF) + lambda tr(dF) I.
     void rest_action(const Model& model, std::span<const Vec3f> d, const Threads& threads, std::span<Vec3f> out) const;
 
-    /// Whether points that share their dilatation are in one group each: always on cubic lattices without gaps. If not,
-    /// the parts of a cell average by themselves, another (softer or stiffer) body than the forces in double precision.
-    bool matches_model() const { return groups_.whole_dilatation_cells; }
+    /// False where more points share one dilatation than there is room for in the lanes, eight a lane: the parts of
+    /// such a cell average by themselves then, which is not quite the body that the double-precision forces see.
+    bool matches_model() const { return matches_model_; }
 
     /// What is done in one evaluation.
     struct Counts {
@@ -63,6 +63,7 @@ private:
         std::vector<CellChunk> chunks;
         std::vector<std::uint32_t> lane_group;  ///< [chunks][lanes] group in a lane, `no_index` for none
         std::vector<std::uint16_t> slot, entry;
+        std::vector<std::uint8_t> join;  ///< [chunks][lanes] where dilatation cells have several groups
         std::vector<float> gradient, lame, volume_stiffness, share;
         std::uint32_t slot_begin = 0, slot_end = 0;  ///< into `slot_node_`; the first stands for missing nodes
         bool moves = false;                          ///< its laws follow rotations
@@ -72,6 +73,7 @@ private:
     void transpose_slots(std::size_t nodes);
     void fill_moduli(const Model& model, const CellGroups::Group& group, Block& block, std::size_t chunk,
                      std::size_t lane) const;
+    void join_lanes(Block& block, std::size_t chunk) const;
     Mat3 move_to_slots(const Model& model, const Block& block, std::span<const Vec3> x, Float4* u) const;
     double run(const Block& block, CellTask task) const;
 
@@ -86,6 +88,7 @@ private:
     std::vector<std::uint32_t> node_slot_offset_;  ///< [nodes + 1] into `node_slots_`
     std::vector<std::uint32_t> node_slots_;
     std::size_t largest_window_ = 0;
+    bool matches_model_ = true;
     Counts counts_;
     mutable std::vector<Float4> u_, f_;  ///< [slots]
 };

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <random>
 #include <tuple>
-#include <utility>
 
 namespace phyxel {
 namespace {
@@ -118,10 +117,23 @@ private:
             }
             groups[g].point[free_octant(groups[g], p)] = p.q;
         }
-        std::vector<char> seen(m_.dilatation.volume.size());
-        for (const CellGroups::Group& group : groups)
-            if (group.dilatation_cell != no_index && std::exchange(seen[group.dilatation_cell], 1))
-                result_.whole_dilatation_cells = false;
+        join_groups();
+    }
+
+    /// Marks groups whose dilatation cell has several, and puts all of these in the cell of the first.
+    void join_groups() {
+        std::vector<std::uint32_t> first(m_.dilatation.volume.size(), no_index);
+        auto& groups = result_.groups;
+        for (std::uint32_t g = 0; g < groups.size(); ++g) {
+            if (groups[g].dilatation_cell == no_index) continue;
+            std::uint32_t& leader = first[groups[g].dilatation_cell];
+            if (leader == no_index) {
+                leader = g;
+                continue;
+            }
+            groups[leader].joined = groups[g].joined = true;
+            groups[g].cell = groups[leader].cell;
+        }
     }
 
     Place place(const Index3& cell, std::uint32_t node) const {

@@ -25,16 +25,17 @@ struct CellGroups {
         std::uint32_t sharing = 1;  ///< how many groups have its shape
         Law law{};
         std::uint32_t dilatation_cell = no_index;  ///< whose points share their dilatation, if they do
+        bool joined = false;                       ///< the dilatation cell has points in other groups, too
 
         /// Groups that can go side by side have the same.
-        std::uint32_t kind() const { return 2 * static_cast<std::uint32_t>(law) + (dilatation_cell != no_index); }
+        std::uint32_t kind() const {
+            return 3 * static_cast<std::uint32_t>(law) + (dilatation_cell == no_index ? 0 : joined ? 2 : 1);
+        }
     };
     std::vector<Group> groups;        ///< sorted by cell
     std::vector<std::uint32_t> node;  ///< [window entries]
     std::vector<Place> place;         ///< [window entries] ascending in each window
     std::size_t shapes = 0;
-
-    bool whole_dilatation_cells = true;  ///< no dilatation cell is cut by the groups
 
     std::vector<std::uint32_t> point_slot_begin;  ///< [points] first slot of the stencil block that holds the point
 

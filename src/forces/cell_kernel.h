@@ -17,7 +17,8 @@ struct CellChunk {
     const float* gradient;          ///< [pairs][3] or [pairs][3][lanes], times the spacing
     const float* lame;              ///< [8][2][lanes] V lambda and V mu, over the unit of stiffness
     const float* volume_stiffness;  ///< [8][lanes] V k_v, likewise; null where there is none
-    const float* share;  ///< [8][lanes] V over the group's, where its points share one dilatation; null elsewhere
+    const float* share;        ///< [8][lanes] V over that of the points that share a dilatation; null where none do
+    const std::uint8_t* join;  ///< [lanes] the first lane with the same dilatation; null where all have their own
     std::array<std::uint32_t, 9> pair_begin;  ///< of each point, and the end
     std::uint32_t entries;
     bool uniform;

@@ -332,6 +332,11 @@ struct CellKernelBody {
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point))
                 mean = fma(load(chunk.share + point * lanes), Law::measure(H[point], state[point]), mean);
+        if (chunk.join) {
+            Float joint{};
+            for (std::size_t l = 0; l < lanes; ++l) joint[chunk.join[l]] += mean[l];
+            for (std::size_t l = 0; l < lanes; ++l) mean[l] = joint[chunk.join[l]];
+        }
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point)) done(point, state[point], mean);
     }

@@ -1,0 +1,216 @@
+#include "forces/cell_blocks.h"
+
+#include <gtest/gtest.h>
+
+#include "forces/internal_forces.h"
+#include "model/modelled.h"
+#include "support/measured.h"
+
+namespace phyxel {
+namespace {
+
+const Threads threads(2);
+
+struct Case {
+    std::string name;
+    Model model;
+};
+
+BodySettings plain_settings(const Scheme& scheme = all_schemes()[0]) {
+    BodySettings settings = settings_of(scheme);
+    settings.stabilization = 0;  // not the blocks' business
+    return settings;
+}
+
+/// Two plates, a quarter of the spacing apart: nodes in one box on either side of the gap.
+TriangleMesh two_plates(double spacing) {
+    TriangleMesh both = make_box({1, 1, 0.3});
+    const TriangleMesh other = make_box({1, 1, 0.3});
+    const auto first = static_cast<std::uint32_t>(both.vertices.size());
+    for (const Vec3& X : other.vertices) both.vertices.push_back(X + Vec3{0, 0, 0.3 + 0.25 * spacing});
+    for (auto triangle : other.triangles) {
+        for (auto& v : triangle) v += first;
+        both.triangles.push_back(triangle);
+    }
+    return both;
+}
+
+const std::vector<Case>& bodies() {
+    static const std::vector<Case> all = [] {
+        std::vector<Case> cases;
+        cases.push_back({"beam", modelled(make_box({0.1, 0.1, 0.5}), plain_settings(), 0.025)});
+        cases.push_back({"thick box", modelled(make_box({1.2, 1.2, 1.2}), plain_settings(), 0.1)});
+        cases.push_back({"sphere", modelled(make_sphere(0.5), plain_settings(), 0.125)});
+        cases.push_back({"bunny", modelled(unit_bunny(), plain_settings(), 0.1)});
+        cases.push_back({"plates with a gap", modelled(two_plates(0.2), plain_settings(), 0.2)});
+        for (const Scheme& scheme : all_schemes())
+            cases.push_back({scheme.name + ", turned", modelled(make_box({1, 0.8, 0.6}), turned(plain_settings(scheme)),
+                                                                equal_spacing(scheme, 0.22))});
+        return cases;
+    }();
+    return all;
+}
+
+std::vector<std::pair<std::string, Material>> all_laws() {
+    const Material soft = {.density = 1000, .youngs_modulus = 1e6, .poissons_ratio = 0.3, .law = Law::linear};
+    Material volume = saint_venant_kirchhoff(soft), nearly_incompressible = soft;
+    volume.volume_stiffness = 2e6;
+    nearly_incompressible.poissons_ratio = 0.49;
+    return {{"linear", soft},
+            {"saint venant-kirchhoff", saint_venant_kirchhoff(soft)},
+            {"saint venant-kirchhoff with volume force", volume},
+            {"corotated", corotated(soft)},
+            {"neo-hookean", neo_hookean(soft)},
+            {"corotated, nearly incompressible", corotated(nearly_incompressible)},
+            {"neo-hookean, nearly incompressible", neo_hookean(nearly_incompressible)}};
+}
+
+std::vector<Vec3> double_forces(const Model& m, std::span<const Vec3> x) {
+    ForceWorkspace work;
+    std::vector<Vec3> f(x.size());
+    internal_forces(m, x, {}, 0, work, threads, f);
+    return f;
+}
+
+std::vector<Vec3> float_forces(const CellBlocks& blocks, const Model& m, std::span<const Vec3> x,
+                               const Threads& with = threads) {
+    std::vector<Vec3> f(x.size());
+    blocks.forces(m, x, with, f);
+    return f;
+}
+
+double error_of(const CellBlocks& blocks, const Model& m, std::span<const Vec3> x) {
+    const auto exact = double_forces(m, x);
+    return largest_difference(float_forces(blocks, m, x), exact) / largest(exact);
+}
+
+constexpr Instructions all_instructions[] = {Instructions::plain, Instructions::avx2, Instructions::avx512};
+
+TEST(CellBlocks, forces_are_those_in_double_precision) {
+    double worst = 0;
+    for (auto [name, m] : bodies())
+        for (const Instructions instructions : all_instructions) {
+            if (instructions > best_instructions()) continue;
+            for (const auto& [law, material] : all_laws()) {
+                set_material(m, material);
+                const CellBlocks blocks(m, threads, instructions);
+                const double error = error_of(blocks, m, turned_stretched_and_shaken(m));
+                EXPECT_LE(error, 1e-5) << name << ", " << law;
+                worst = std::max(worst, error);
+            }
+        }
+    measured("force against double precision", worst);
+}
+
+TEST(CellBlocks, energy_is_that_in_double_precision) {
+    double worst = 0;
+    for (auto [name, m] : bodies())
+        for (const auto& [law, material] : all_laws()) {
+            set_material(m, material);
+            const CellBlocks blocks(m, threads);
+            ForceWorkspace work;
+            const auto x = turned_stretched_and_shaken(m);
+            const double exact = elastic_energy(m, x, work, threads);
+            const double error = std::abs(blocks.energy(m, x, threads) / exact - 1);
+            EXPECT_LE(error, 1e-6) << name << ", " << law;
+            worst = std::max(worst, error);
+        }
+    measured("energy against double precision", worst);
+}
+
+TEST(CellBlocks, rest_action_is_the_stiffness_action_at_rest) {
+    double worst = 0;
+    for (auto [name, m] : bodies())
+        for (const auto& [law, material] : all_laws()) {
+            if (material.volume_stiffness > 0) continue;  // not Hooke's at rest
+            set_material(m, material);
+            const CellBlocks blocks(m, threads);
+            const auto d = random_field(m.rest.size(), 1, 7);
+            std::vector<Vec3> exact(d.size()), result;
+            ForceWorkspace work;
+            stiffness_action(m, m.rest, d, work, threads, exact);
+            std::vector<Vec3f> d_float, out(d.size());
+            for (const Vec3& v : d) d_float.push_back(vector_cast<float>(v));
+            blocks.rest_action(m, d_float, threads, out);
+            for (const Vec3f& v : out) result.push_back(vector_cast<double>(v));
+            const double error = largest_difference(result, exact) / largest(exact);
+            EXPECT_LE(error, 1e-5) << name << ", " << law;
+            worst = std::max(worst, error);
+        }
+    measured("rest action against double precision", worst);
+}
+
+TEST(CellBlocks, turned_body_far_from_the_origin_feels_no_force) {
+    for (auto [name, m] : bodies())
+        for (const auto& [law, material] : all_laws()) {
+            if (material.law == Law::linear) continue;
+            set_material(m, material);
+            const CellBlocks blocks(m, threads);
+            const auto x = affine(m, rotation_about(normalized(Vec3{1, 1, 0}), 1.5707963), {1e4, -2e4, 3e4});
+            const double a = m.node_length, E = m.settings.youngs_modulus;
+            EXPECT_LE(largest(float_forces(blocks, m, x)), 1e-9 * E * a * a) << name << ", " << law;
+            EXPECT_LE(blocks.energy(m, x, threads), 1e-18 * E * m.sampling.clipped_volume) << name << ", " << law;
+        }
+}
+
+TEST(CellBlocks, small_strain_keeps_its_digits) {
+    for (auto [name, m] : bodies())
+        for (const auto& [law, material] : all_laws()) {
+            if (material.law == Law::linear) continue;
+            set_material(m, material);
+            const CellBlocks blocks(m, threads);
+            auto x = affine(m, rotation_about(normalized(Vec3{1, 2, 3}), 2.5));
+            const auto shake = random_field(x.size(), 1e-6 * m.node_length, 4);
+            for (std::size_t i = 0; i < x.size(); ++i) x[i] += shake[i];
+            EXPECT_LE(error_of(blocks, m, x), 1e-5) << name << ", " << law;
+        }
+}
+
+TEST(CellBlocks, inverted_flattened_and_collapsed_bodies_give_finite_forces) {
+    for (auto [name, m] : bodies())
+        for (const auto& [law, material] : all_laws()) {
+            set_material(m, material);
+            const CellBlocks blocks(m, threads);
+            for (const Mat3& F : {Mat3::diagonal({-1, 1, 1}), Mat3::diagonal({-1, -1, -1}), Mat3::diagonal({1, 1, 0}),
+                                  Mat3::diagonal({1, 0, 0}), Mat3{}, Mat3::diagonal({1e6, 1, 1e-6}),
+                                  Mat3::diagonal({-0.3, 1.1, 0.8})}) {
+                const auto f = float_forces(blocks, m, affine(m, F));
+                EXPECT_TRUE(std::all_of(f.begin(), f.end(), [](const Vec3& v) { return is_finite(v); }))
+                    << name << ", " << law;
+                EXPECT_TRUE(std::isfinite(blocks.energy(m, affine(m, F), threads))) << name << ", " << law;
+            }
+            const auto scrambled = random_field(m.rest.size(), 1, 12);
+            const auto f = float_forces(blocks, m, scrambled);
+            EXPECT_TRUE(std::all_of(f.begin(), f.end(), [](const Vec3& v) { return is_finite(v); })) << name;
+            EXPECT_LE(error_of(blocks, m, scrambled), 1e-4) << name << ", " << law;
+        }
+}
+
+TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
+    for (const auto& [name, m] : bodies()) {
+        const CellBlocks blocks(m, threads);
+        const auto x = turned_stretched_and_shaken(m), f = float_forces(blocks, m, x);
+        const double energy = blocks.energy(m, x, threads);
+        std::vector<Vec3f> d, Kd(x.size());
+        for (const Vec3& v : random_field(x.size(), 1, 7)) d.push_back(vector_cast<float>(v));
+        blocks.rest_action(m, d, threads, Kd);
+        for (const int count : {1, 3, 8}) {
+            const Threads other(count);
+            const CellBlocks again(m, other);
+            std::vector<Vec3f> Kd_again(x.size());
+            again.rest_action(m, d, other, Kd_again);
+            EXPECT_TRUE(f == float_forces(again, m, x, other)) << name << ", " << count << " threads";
+            EXPECT_TRUE(energy == again.energy(m, x, other)) << name << ", " << count << " threads";
+            EXPECT_TRUE(Kd == Kd_again) << name << ", " << count << " threads";
+        }
+    }
+}
+
+TEST(CellBlocks, deep_cells_share_their_gradients) {
+    const CellBlocks blocks(bodies()[1].model, threads);
+    EXPECT_EQ(blocks.counts().groups, 1728u);
+    EXPECT_GE(blocks.counts().uniform_chunks, 8u);
+}
+
+}  // namespace
+}  // namespace phyxel
