@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "phyxel/material.h"
+#include "phyxel/mesh.h"
 #include "phyxel/vector.h"
 
 namespace phyxel {
@@ -38,6 +40,23 @@ struct Kernel {
     double dilation = 1.2;
 };
 
+/// Where a region is, rest space [m].
+struct BoxRegion {
+    Vec3 lower, upper;
+};
+struct SphereRegion {
+    Vec3 center;
+    double radius = 0;  ///< > 0
+};
+
+/// A part of a body with a material of its own. What lies outside of the body does not matter.
+struct Region {
+    std::variant<BoxRegion, SphereRegion, TriangleMesh> shape;  ///< a mesh: inside of its closed surface
+    Material material{};
+    double transition = 0;  ///< [m] >= 0: width over which moduli and density change linearly, half on either side of
+                            ///< the region's boundary; needs the law of what it changes from
+};
+
 /// How a surface mesh becomes a soft body.
 struct BodySettings {
     double scale = 1;      ///< first; makes the mesh's unit metres
@@ -54,6 +73,11 @@ struct BodySettings {
     Kernel kernel{};
 
     Material material{};
+    std::vector<Region> regions{};  ///< of other materials; later ones win
+
+    /// Grid quadrature only: the points of a lattice cell share the mean of their dilatations, so that nearly
+    /// incompressible material does not lock. Nothing: where Poisson's ratio is above 0.47.
+    std::optional<bool> mean_dilatation{};
 
     bool consistency_correction = true;  ///< exact patch test on clipped cells (method.md section 2)
     double stabilization = -1;           ///< strength; -1: 0.2 with grid quadrature, 0.15 with nodes; 0: none

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "forces/mean_dilatation.h"
 #include "forces/point_kernels.h"
 
 namespace phyxel {
@@ -148,6 +149,36 @@ double sum_points(const Model& m, std::span<const Vec3> x, ForceWorkspace& work,
     });
 }
 
+/// Fills `work.pressure` with lambda times the cells' mean dilatation at x and, when v is given, `work.pressure_rate`
+/// with that of `rate(law, F, F_rate)`. Nothing to do where every point is by itself.
+template <class Rate>
+void find_pressures(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
+                    const Threads& threads, Rate&& rate) {
+    if (m.dilatation.empty()) return;
+    const Stencils& st = m.stencils;
+    work.slot_x.resize(st.slot_node.size());
+    work.dilatation.resize(st.points());
+    if (!v.empty()) {
+        work.slot_v.resize(st.slot_node.size());
+        work.dilatation_rate.resize(st.points());
+    }
+    threads.for_each(st.blocks.size(), 1, [&](std::size_t b) {
+        const Stencils::Block& block = st.blocks[b];
+        const auto [slot_x, slot_v] = fill_slots(st, block, x, v, work);
+        for_batches(st, block, slot_x, slot_v,
+                    [&, damped = slot_v](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
+                        for (std::uint32_t q = begin; q < end; ++q) {
+                            if (!shares_dilatation(m, q)) continue;
+                            const Law law = m.point_material(q).law;
+                            work.dilatation[q] = dilatation(law, F[q - begin]);
+                            if (damped) work.dilatation_rate[q] = rate(law, F[q - begin], F_rate[q - begin]);
+                        }
+                    });
+    });
+    cell_means_times_lambda(m, work.dilatation, threads, work.pressure);
+    if (!v.empty()) cell_means_times_lambda(m, work.dilatation_rate, threads, work.pressure_rate);
+}
+
 Vec3 row_product(const SparseRows& rows, std::size_t i, std::span<const Vec3> in) {
     Vec3 sum{};
     for (std::uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k) sum += rows.value[k] * in[rows.column[k]];
@@ -180,10 +211,17 @@ void add_filter_forces(const Model& m, std::span<const Vec3> x, std::span<const 
                      [&](std::size_t i) { f[i] += row_product(m.filter.columns, i, work.filtered); });
 }
 
-Mat3 viscous_stress(const Lame& lame, const Mat3& F, const Mat3& F_rate, double beta) {
+/// Rate of the trace of Green's strain, which is what damping sees of a change of volume.
+double green_dilatation_rate(Law, const Mat3& F, const Mat3& F_rate) { return contract(F, F_rate); }
+
+/// F S_v; `pressure_rate` [cells] lambda times the mean rate of the points that share their dilatation.
+Mat3 viscous_stress(const Model& m, std::size_t q, const Mat3& F, const Mat3& F_rate, double beta,
+                    std::span<const double> pressure_rate) {
+    const Lame& lame = m.point_material(q).lame;
     const Mat3 L = transpose(F) * F_rate;
     const Mat3 E_rate = 0.5 * (L + transpose(L));
-    return F * (beta * (lame.lambda * trace(E_rate) * Mat3::identity() + 2 * lame.mu * E_rate));
+    const double pressure = shares_dilatation(m, q) ? pressure_rate[m.dilatation.cell[q]] : lame.lambda * trace(E_rate);
+    return F * (beta * (pressure * Mat3::identity() + 2 * lame.mu * E_rate));
 }
 
 }  // namespace
@@ -199,8 +237,11 @@ std::vector<Mat3> deformation_gradients(const Model& m, std::span<const Vec3> x,
 }
 
 double elastic_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
-    return sum_points(m, x, work, threads,
-                      [&](const PointState& p) { return m.volumes[p.q] * energy(m.material, p.F); });
+    const double own =
+        sum_points(m, x, work, threads, [&](const PointState& p) { return m.volumes[p.q] * own_energy(m, p.q, p.F); });
+    if (m.dilatation.empty()) return own;
+    find_pressures(m, x, {}, work, threads, green_dilatation_rate);
+    return own + shared_dilatation_energy(m, work.pressure);
 }
 
 double stabilization_energy(const Model& m, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads) {
@@ -222,10 +263,11 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
                        ForceWorkspace& work, const Threads& threads, std::span<Vec3> f) {
     if (beta <= 0) v = {};
     work.block_power.assign(m.stencils.blocks.size(), 0);
+    find_pressures(m, x, v, work, threads, green_dilatation_rate);
     const auto point = [&](const PointState& p, Double4* f_slots) {
-        Mat3 F = p.F, P = stress(m.material, F);
+        Mat3 F = p.F, P = point_stress(m, p.q, F, work.pressure);
         if (p.v) {
-            const Mat3 P_viscous = viscous_stress(m.material.lame, F, p.F_rate, beta);
+            const Mat3 P_viscous = viscous_stress(m, p.q, F, p.F_rate, beta, work.pressure_rate);
             work.block_power[&p.block - m.stencils.blocks.data()] += m.volumes[p.q] * contract(P_viscous, p.F_rate);
             P += P_viscous;
             F += beta * p.F_rate;
@@ -244,10 +286,12 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
 
 void stiffness_action(const Model& m, std::span<const Vec3> x, std::span<const Vec3> d, ForceWorkspace& work,
                       const Threads& threads, std::span<Vec3> out) {
+    find_pressures(m, x, d, work, threads,
+                   [](Law law, const Mat3& F, const Mat3& dF) { return contract(dilatation_gradient(law, F), dF); });
     const auto point = [&](const PointState& p, Double4* f_slots) {
         if (has_nodal(m) && m.nodal.kappa[p.q] > 0)
             nodal_forces(m, p.block, p.q, p.F_rate, {p.v, nullptr, 0}, -1, f_slots);
-        return -m.volumes[p.q] * stress_action(m.material, p.F, p.F_rate);
+        return -m.volumes[p.q] * point_stress_action(m, p.q, p.F, p.F_rate, work.pressure, work.pressure_rate);
     };
     scatter_points(m, x, d, work, threads, out, point);
     if (has_filter(m)) add_filter_forces(m, d, {}, 0, 1, work, threads, out);

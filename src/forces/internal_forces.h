@@ -12,13 +12,16 @@ namespace phyxel {
 struct ForceWorkspace {
     std::vector<Double4> slot_x, slot_v, slot_f;        ///< [slots] what a block gathers and scatters
     std::vector<double> block_power;                    ///< [blocks] viscous power
+    std::vector<double> dilatation, dilatation_rate;    ///< [points] of those that share it with their cell
+    std::vector<double> pressure, pressure_rate;        ///< [cells] lambda times their means [Pa], [Pa/s]
     std::vector<Vec3> moved, filtered, twice_filtered;  ///< [nodes] x, (I - Phi) x and (I - Phi)^2 x
 };
 
 /// [points] F_q at node positions x.
 std::vector<Mat3> deformation_gradients(const Model& model, std::span<const Vec3> x, const Threads& threads);
 
-/// Strain energy sum_q V_q Psi(F_q) [J].
+/// Strain energy sum_q V_q Psi(F_q) [J], with shared dilatation where the material is nearly incompressible
+/// (forces/mean_dilatation.h).
 double elastic_energy(const Model& model, std::span<const Vec3> x, ForceWorkspace& work, const Threads& threads);
 
 /// Energy of the stabilization [J]; zero for linear fields.

@@ -36,6 +36,12 @@ inline Vec3 rotation_rate(const Mat3& R, const Mat3& F, const Mat3& dF) {
     return omega;
 }
 
+/// Change of R with F by dF.
+inline Mat3 rotation_change(const Mat3& R, const Mat3& F, const Mat3& dF) {
+    const Vec3 w = rotation_rate(R, F, dF);
+    return R * Mat3{{{0, -w.z, w.y}, {w.z, 0, -w.x}, {-w.y, w.x, 0}}};
+}
+
 }  // namespace corotated_detail
 
 /// Energy density [J/m^3].
@@ -56,10 +62,20 @@ inline Mat3 corotated_stress(const Mat3& F, const Lame& m) {
 /// Change of the stress with F by dF [Pa].
 inline Mat3 corotated_stress_action(const Mat3& F, const Mat3& dF, const Lame& m) {
     const Mat3 R = polar_rotation(F);
-    const Vec3 w = corotated_detail::rotation_rate(R, F, dF);
-    const Mat3 dR = R * Mat3{{{0, -w.z, w.y}, {w.z, 0, -w.x}, {-w.y, w.x, 0}}};
+    const Mat3 dR = corotated_detail::rotation_change(R, F, dF);
     const double pressure = m.lambda * contract(R, F - R);
     return 2 * m.mu * dF + m.lambda * contract(R, dF) * R + (pressure - 2 * m.mu) * dR;
+}
+
+/// Dilatation tr(S - I), of which the energy holds lambda/2 times the square; its derivative by F is R.
+inline double corotated_dilatation(const Mat3& F) {
+    const Mat3 R = polar_rotation(F);
+    return contract(R, F - R);
+}
+
+/// Change of R with F by dF.
+inline Mat3 corotated_rotation_action(const Mat3& F, const Mat3& dF) {
+    return corotated_detail::rotation_change(polar_rotation(F), F, dF);
 }
 
 }  // namespace phyxel

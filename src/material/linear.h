@@ -30,4 +30,7 @@ inline Mat3 linear_stress(const Mat3& F, const Lame& m) { return linear_detail::
 /// Change of the stress with F by dF [Pa].
 inline Mat3 linear_stress_action(const Mat3&, const Mat3& dF, const Lame& m) { return linear_detail::hooke(dF, m); }
 
+/// Dilatation tr(eps), of which the energy holds lambda/2 times the square; its derivative by F is I.
+inline double linear_dilatation(const Mat3& F) { return trace(F - Mat3::identity()); }
+
 }  // namespace phyxel

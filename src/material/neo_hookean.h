@@ -37,4 +37,10 @@ inline Mat3 neo_hookean_stress_action(const Mat3& F, const Mat3& dF, const Lame&
     return m.mu * dF + bulk * contract(cof, dF) * cof + (bulk * (J - 1) - m.mu) * cofactor_action(F, dF);
 }
 
+/// Dilatation J - 1, of which the energy holds lambda/2 times the square; its derivative by F is cof F.
+inline double neo_hookean_dilatation(const Mat3& F) {
+    const Mat3 H = F - Mat3::identity();
+    return trace(H) + trace(cofactor(H)) + determinant(H);
+}
+
 }  // namespace phyxel

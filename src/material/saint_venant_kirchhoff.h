@@ -55,4 +55,9 @@ inline Mat3 saint_venant_kirchhoff_stress_action(const Mat3& F, const Mat3& dF, 
     return dP + volume_stiffness * (contract(cof, dF) * cof + (J - 1) * cofactor_action(F, dF));
 }
 
+/// Dilatation tr(E), of which the energy holds lambda/2 times the square; its derivative by F is F.
+inline double saint_venant_kirchhoff_dilatation(const Mat3& F) {
+    return trace(saint_venant_kirchhoff_detail::green_strain(F));
+}
+
 }  // namespace phyxel

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "approximation/shepard_sums.h"
+#include "model/dilatation_cells.h"
+
 namespace phyxel {
 namespace {
 
@@ -32,9 +35,45 @@ NodalStabilization build_nodal(const Model& m) {
                 nodal.weight[k] = node == self ? 0 : weight(m.approximation.kernel, distance / radius);
                 moment += nodal.weight[k] * distance * distance;
             }
-            if (moment > 0) nodal.kappa[q] = m.stabilization * m.settings.youngs_modulus * m.volumes[q] / moment;
+            if (moment > 0) nodal.kappa[q] = m.stabilization * youngs_modulus(m, q) * m.volumes[q] / moment;
         }
     return nodal;
+}
+
+/// [nodes] Shepard sum of a number of the material times V_q; `node_volumes` is that of V_q itself.
+std::vector<double> shared_out(const Model& m, double Material::*number, std::span<const double> node_volumes,
+                               const Threads& threads) {
+    std::vector<double> sums(node_volumes.begin(), node_volumes.end());
+    if (m.mixture.empty()) {
+        for (double& sum : sums) sum *= m.settings.*number;
+        return sums;
+    }
+    std::vector<double> value(m.volumes.size());
+    for (std::size_t q = 0; q < value.size(); ++q) value[q] = m.volumes[q] * m.mixture.mean(q, number);
+    sums = shepard_sums(m.sampling, m.approximation, m.stencils, value, threads);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (!(sums[i] > 0)) sums[i] = node_volumes[i] * (m.settings.*number);  // a node that no point sees
+    return sums;
+}
+
+/// What follows from the materials: laws and moduli of the points, and who shares a dilatation.
+void spread_materials(Model& m) {
+    m.material = material_point(m.settings);
+    m.largest_modulus = m.settings.youngs_modulus;
+    if (!m.mixture.empty()) {
+        m.mixture.materials[0] = m.settings;
+        m.point_materials.resize(m.volumes.size());
+        for (std::size_t q = 0; q < m.volumes.size(); ++q) m.point_materials[q] = m.mixture.point(q);
+        for (const Material& material : m.mixture.materials)
+            m.largest_modulus = std::max(m.largest_modulus, material.youngs_modulus);
+    }
+    m.dilatation = group_points(m, m.mean_dilatation);
+}
+
+void find_filter_stiffness(Model& m, const Threads& threads) {
+    const double factor = m.stabilization / (m.node_length * m.node_length);
+    m.filter_stiffness = shared_out(m, &Material::youngs_modulus, m.node_volumes, threads);
+    for (double& stiffness : m.filter_stiffness) stiffness *= factor;
 }
 
 }  // namespace
@@ -54,16 +93,17 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
     m.sampling = std::move(sampling);
     for (const Vec3& p : m.sampling.nodes) m.rest.push_back(m.sampling.frame.to_rest(p));
 
+    m.settings = settings.material;
+    m.mean_dilatation = settings.mean_dilatation;
+    m.mixture = mix(m.sampling, settings, threads);
+    spread_materials(m);
+
     // Mass: the volumes shared out by Shepard weights. Clipped cells as nodal masses would raise the largest frequency
     // a thousandfold.
-    m.settings = settings.material;
-    m.material = material_point(settings.material);
-    m.largest_modulus = settings.material.youngs_modulus;
-    const double density = settings.material.density;
-    double smallest =
-        build.node_volumes.empty() ? 0 : *std::max_element(build.node_volumes.begin(), build.node_volumes.end());
-    smallest *= 1e-9;  // a node that no point sees must still have a mass to divide by
-    for (double V : build.node_volumes) m.mass.push_back(density * std::max(V, smallest));
+    m.node_volumes = std::move(build.node_volumes);
+    const double smallest = 1e-9 * *std::max_element(m.node_volumes.begin(), m.node_volumes.end());
+    for (double& V : m.node_volumes) V = std::max(V, smallest);  // what no point sees must have a mass to divide by
+    m.mass = shared_out(m, &Material::density, m.node_volumes, threads);
     for (double mass : m.mass) m.inverse_mass.push_back(1 / mass);
     m.total_mass = std::accumulate(m.mass.begin(), m.mass.end(), 0.0);
     m.node_length = m.sampling.spacing / (m.sampling.lattice == Lattice::bcc ? std::cbrt(2.0) : 1);
@@ -73,9 +113,7 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
     if (m.stabilization > 0) {
         if (grid) {
             m.filter = build_filter(m.sampling, m.approximation, threads);
-            for (double mass : m.mass)
-                m.filter_stiffness.push_back(m.settings.youngs_modulus * m.stabilization * mass /
-                                             (density * m.node_length * m.node_length));
+            find_filter_stiffness(m, threads);
         } else {
             m.nodal = build_nodal(m);
         }
@@ -83,13 +121,14 @@ Model build_model(Sampling sampling, const BodySettings& settings, const Threads
     return m;
 }
 
-void set_material(Model& m, const Material& material) {
-    const double ratio = material.youngs_modulus / m.settings.youngs_modulus;
-    for (double& kappa : m.nodal.kappa) kappa *= ratio;
-    for (double& stiffness : m.filter_stiffness) stiffness *= ratio;
-    m.largest_modulus = material.youngs_modulus;
-    m.settings = material;
-    m.material = material_point(material);
+void set_material(Model& m, const Material& material, std::size_t which) {
+    std::vector<double> before;
+    for (std::size_t q = 0; q < m.nodal.kappa.size(); ++q) before.push_back(youngs_modulus(m, q));
+    if (which == 0) m.settings = material;
+    else m.mixture.materials[which] = material;
+    spread_materials(m);
+    for (std::size_t q = 0; q < before.size(); ++q) m.nodal.kappa[q] *= youngs_modulus(m, q) / before[q];
+    if (!m.filter_stiffness.empty()) find_filter_stiffness(m, Threads(1));
 }
 
 }  // namespace phyxel

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "approximation/node_filter.h"
 #include "approximation/stencils.h"
 #include "material/law.h"
+#include "model/mixture.h"
 
 namespace phyxel {
 
@@ -16,23 +18,14 @@ struct NodalStabilization {
     std::vector<std::uint16_t> self;  ///< [points] slot of the point's own node in its block
 };
 
-/// What each quadrature point of a body of several materials is made of.
-struct Mixture {
-    std::vector<Material> materials;      ///< [1 + regions] the body's own, then the regions'
-    std::vector<std::uint32_t> offset;    ///< [points + 1] into the two below
-    std::vector<std::uint16_t> material;  ///< index into `materials`
-    std::vector<double> share;            ///< > 0; those of a point add up to 1
-    bool empty() const { return materials.empty(); }
-};
-
 /// Groups of points that share one dilatation, its mean over their volume, so that nearly incompressible material does
-/// not lock: sum_c k_c/2 V_c theta_c^2 stands in for the volumetric energy of the points.
+/// not lock: sum_c lambda_c/2 V_c theta_c^2 stands in for the points' sum_q V_q lambda_q/2 theta_q^2.
 struct DilatationCells {
     std::vector<std::uint32_t> cell;             ///< [points] or `no_index`: the point's own dilatation counts
     std::vector<std::uint32_t> offset;           ///< [cells + 1] into `points`
     std::vector<std::uint32_t> points;           ///< of each cell, ascending
     std::vector<double> volume;                  ///< [cells] V_c [m^3]
-    std::vector<double> modulus;                 ///< [cells] k_c, volume mean of the points' [Pa]
+    std::vector<double> lambda;                  ///< [cells] volume mean of the points' [Pa]
     bool empty() const { return cell.empty(); }  ///< every point by itself
 };
 
@@ -46,6 +39,7 @@ struct Model {
     std::vector<Vec3> rest;            ///< [nodes] X [m], rest space
     std::vector<double> mass;          ///< [nodes] [kg], > 0
     std::vector<double> inverse_mass;  ///< [nodes] [1/kg]
+    std::vector<double> node_volumes;  ///< [nodes] Shepard sum of V_q [m^3], > 0
     double total_mass = 0;             ///< [kg] density times the clipped volume
     double node_length = 0;            ///< [m] edge of a cube with the volume of one node
 
@@ -54,6 +48,7 @@ struct Model {
     Mixture mixture;                             ///< empty: `material` everywhere
     std::vector<MaterialPoint> point_materials;  ///< [points] of a mixture; empty: `material` everywhere
     double largest_modulus = 0;                  ///< Young's, of all materials [Pa]
+    std::optional<bool> mean_dilatation;         ///< as `BodySettings::mean_dilatation`
     DilatationCells dilatation;                  ///< empty unless nearly incompressible
 
     bool uniform() const { return point_materials.empty(); }
@@ -74,7 +69,13 @@ struct State {
 /// Builds the model of a sampled body. `report` says how the stencils turned out.
 Model build_model(Sampling sampling, const BodySettings& settings, const Threads& threads, StencilReport& report);
 
-/// Changes the material of a model, same density: stabilization follows the modulus.
-void set_material(Model& model, const Material& material);
+/// Young's modulus at point q [Pa].
+inline double youngs_modulus(const Model& m, std::size_t q) {
+    return m.mixture.empty() ? m.settings.youngs_modulus : m.mixture.mean(q, &Material::youngs_modulus);
+}
+
+/// Changes the material of a model, same density: stabilization follows the modulus. `which`: 0 the body's own, then
+/// those of its regions.
+void set_material(Model& model, const Material& material, std::size_t which = 0);
 
 }  // namespace phyxel

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "phyxel/error.h"
+#include "world/make_body.h"
 
 namespace phyxel {
 namespace {
@@ -29,6 +30,21 @@ TriangleMesh load_surface(const Scene& scene, const SceneBody& body) {
     return read_mesh(scene.text->path().parent_path() / file.path, file.part);
 }
 
+/// The body's settings with the meshes of its regions, in rest space.
+BodySettings complete_settings(const Scene& scene, const SceneBody& body) {
+    BodySettings settings = body.settings;
+    for (std::size_t r = 0; r < body.regions.size(); ++r) {
+        const SceneRegion& region = body.regions[r];
+        if (!region.mesh) continue;
+        TriangleMesh mesh = at(scene, region.place, [&] {
+            return read_mesh(scene.text->path().parent_path() / region.mesh->path, region.mesh->part);
+        });
+        settings.regions[r].shape =
+            placed(mesh, {.scale = region.scale, .rotation = region.rotation, .translation = region.translation});
+    }
+    return settings;
+}
+
 /// What a body is refused for is told by the words of the message alone: its mesh, its spacing, or anything else.
 const Place& place_of(const SceneBody& body, std::string_view message) {
     if (message.find("cannot be simulated") != message.npos) return body.surface_place;
@@ -36,9 +52,10 @@ const Place& place_of(const SceneBody& body, std::string_view message) {
     return body.place;
 }
 
-BodyId add_body(const Scene& scene, const SceneBody& body, const TriangleMesh& mesh, World& world) {
+BodyId add_body(const Scene& scene, const SceneBody& body, const BodySettings& settings, const TriangleMesh& mesh,
+                World& world) {
     try {
-        return world.add_body(mesh, body.settings);
+        return world.add_body(mesh, settings);
     } catch (const Error& error) {
         scene.text->fail(place_of(body, error.what()), error.what());
     }
@@ -60,8 +77,11 @@ WorldSettings world_settings(const SceneSimulation& simulation, int threads) {
 BuiltScene build_world(const Scene& scene, int threads) {
     // All meshes first: a missing file is found before any body is sampled
     std::vector<TriangleMesh> meshes;
-    for (const SceneBody& body : scene.bodies)
+    std::vector<BodySettings> settings;
+    for (const SceneBody& body : scene.bodies) {
         meshes.push_back(at(scene, body.surface_place, [&] { return load_surface(scene, body); }));
+        settings.push_back(complete_settings(scene, body));
+    }
 
     BuiltScene built{World(world_settings(scene.simulation, threads)), {}, {}, {}};
     for (const SceneCollider& collider : scene.colliders)
@@ -69,7 +89,7 @@ BuiltScene build_world(const Scene& scene, int threads) {
             return std::visit([&](const auto& shape) { return built.world.add_collider(shape); }, collider.shape);
         });
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        built.bodies.push_back(add_body(scene, scene.bodies[i], meshes[i], built.world));
+        built.bodies.push_back(add_body(scene, scene.bodies[i], settings[i], meshes[i], built.world));
     for (const SceneFix& fix : scene.fixes)
         built.fixes.push_back(
             at(scene, fix.place, [&] { return built.world.add_fix(built.bodies[fix.body], fix.fix); }));

@@ -74,6 +74,43 @@ void read_kernel(const TableReader& body, BodySettings& settings) {
     kernel.dilation = reader->number("dilation", between(1.01, 4)).value_or(kernel.dilation);
 }
 
+std::optional<bool> read_mean_dilatation(const TableReader& body) {
+    constexpr std::string_view key = "mean_dilatation";
+    constexpr Choice<std::optional<bool>> words[] = {{"auto", {}}};
+    std::optional<bool> wanted;
+    if (body.is_string(key)) body.choice<std::optional<bool>>(key, words);
+    else wanted = body.boolean(key);
+    if (wanted == true && body.has("quadrature") && body.string("quadrature") == "nodes")
+        body.fail(key, "belongs to quadrature = \"grid\"; with points at the nodes a cell has a single one. Remove it");
+    return wanted;
+}
+
+SceneRegion read_region(const TableReader& reader, const std::vector<SceneMaterial>& materials, Region& region) {
+    SceneRegion entry;
+    entry.place = reader.place();
+    const std::string_view key = reader.exactly_one({"box", "sphere", "mesh"});
+    if (key == "box") {
+        const BoxSelection box = *reader.box(key);
+        region.shape = BoxRegion{box.lower, box.upper};
+    } else if (key == "sphere") {
+        const TableReader sphere = *reader.table(key, {"center", "radius"});
+        region.shape = SphereRegion{sphere.vector("center", any("m")).value_or(Vec3{}),
+                                    sphere.require(sphere.number("radius", above(0, "m")), "radius", "0.1")};
+    } else {
+        region.shape = TriangleMesh{};  // read when the world is built
+        entry.mesh = MeshFile{*reader.string(key), reader.string("part").value_or("")};
+        entry.scale = reader.number("scale", above(0)).value_or(entry.scale);
+        entry.rotation = reader.rotation("rotation").value_or(entry.rotation);
+        entry.translation = reader.vector("translation", any("m")).value_or(entry.translation);
+    }
+    for (const std::string_view of_mesh : {"part", "scale", "rotation", "translation"})
+        if (key != "mesh" && reader.has(of_mesh)) reader.fail(of_mesh, "belongs to 'mesh' only; remove it");
+    entry.material = reference(reader, "material", materials);
+    region.material = materials[entry.material].material;
+    region.transition = reader.number("transition", at_least(0, "m")).value_or(0);
+    return entry;
+}
+
 /// What messages about the number of nodes point at.
 Place sampling_place(const TableReader& body) {
     const auto reader = sampling_table(body);
@@ -96,6 +133,10 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
     settings.quadrature = reader.choice<Quadrature>("quadrature", quadratures).value_or(settings.quadrature);
     read_sampling(reader, settings);
     read_kernel(reader, settings);
+    for (const TableReader& region : reader.list(
+             "region", {"box", "sphere", "mesh", "part", "scale", "rotation", "translation", "material", "transition"}))
+        body.regions.push_back(read_region(region, materials, settings.regions.emplace_back()));
+    settings.mean_dilatation = read_mean_dilatation(reader);
     settings.consistency_correction = reader.boolean("consistency").value_or(settings.consistency_correction);
     settings.stabilization = reader.number("stabilization", between(0, 10)).value_or(settings.stabilization);
 
@@ -110,11 +151,9 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
 std::vector<SceneBody> read_bodies(const TableReader& root, const std::vector<SceneMaterial>& materials) {
     std::vector<SceneBody> bodies;
     Names names("body");
-    for (const TableReader& reader :
-         root.list("body",
-                   {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
-                    "sampling", "quadrature", "kernel", "consistency", "stabilization"},
-                   {"region"}))
+    for (const TableReader& reader : root.list(
+             "body", {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
+                      "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency", "stabilization"}))
         bodies.push_back(read_body(reader, materials, names));
     if (bodies.empty())
         root.fail(Place{}, "found no body, expected at least one; add [[body]] with a mesh or shape and a material");

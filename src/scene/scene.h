@@ -53,10 +53,21 @@ struct MeshFile {
     std::string part;
 };
 
+/// What a region's settings do not hold yet: its mesh, and how that is placed in rest space.
+struct SceneRegion {
+    std::size_t material = 0;        ///< index into `Scene::materials`, also in the settings
+    std::optional<MeshFile> mesh{};  ///< none: a box or a sphere
+    double scale = 1;
+    AxisAngle rotation{};
+    Vec3 translation{};
+    Place place;
+};
+
 struct SceneBody {
     std::string name;
     std::variant<MeshFile, Shape> surface;
-    std::size_t material = 0;  ///< index into `Scene::materials`, also in `settings`
+    std::size_t material = 0;          ///< index into `Scene::materials`, also in `settings`
+    std::vector<SceneRegion> regions;  ///< of `settings.regions`
     BodySettings settings;
     Place place, surface_place, sampling_place;
 };
