@@ -62,9 +62,7 @@ double potential(const System& system, const Inertia& inertia, const std::vector
     return value + 0.5 * inertial_pull(system, inertia, x).dot(system.gather(difference(x, inertia.y)));
 }
 
-bool is_definite(const Eigen::SimplicialLDLT<SparseMatrix>& solver) {
-    return solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 0;
-}
+bool is_definite(const Solver& solver) { return solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 0; }
 
 SparseMatrix tangent(const System& system, const Inertia& inertia, const std::vector<Vec3>& x) {
     SparseMatrix A = system.stiffness(x);
@@ -72,88 +70,98 @@ SparseMatrix tangent(const System& system, const Inertia& inertia, const std::ve
     return A;
 }
 
-/// Factorizes A plus the smallest tried multiple of the identity that makes it definite.
-void factorize_definite(Eigen::SimplicialLDLT<SparseMatrix>& solver, SparseMatrix A) {
+/// Factorizes A plus the smallest of the tried multiples of the identity that makes it definite. They begin far below
+/// the mean of the diagonal: the mode in which a slender body buckles is a million times softer than that, and a large
+/// shift would hold it.
+void factorize_definite(Solver& solver, SparseMatrix A) {
     const double mean = A.diagonal().cwiseAbs().mean();
-    solver.factorize(A);
-    for (double shift = 1e-3 * mean; !is_definite(solver) && shift < 1e3 * mean; shift *= 4) {
+    for (double shift = 1e-8 * mean; !is_definite(solver) && shift < 1e3 * mean; shift *= 10) {
         for (Eigen::Index i = 0; i < A.rows(); ++i) A.coeffRef(i, i) += shift;
         solver.factorize(A);
     }
 }
 
-/// Full steps: quadratic near the solution, and no other guard than to notice divergence.
-NewtonReport full_steps(System& system, const Inertia& inertia, std::vector<Vec3>& x, const NewtonSettings& settings) {
-    NewtonReport report;
-    double first = 0, last = 0;
+/// Tells a sequence of full steps that leads nowhere. Bodies that bend pass through residuals of a hundred thousand
+/// times the load after the first, linear step, and converge all the same.
+struct Divergence {
+    double first = -1, last = 0;
     int risen = 0;
-    const double rounding = rounding_force(system.solid);
-    while (true) {
-        const Balance forces = balance(system, inertia, x);
-        const double size = forces.residual.norm();
-        report.residual = size / (forces.scale + rounding);
 
-        // Converged, hopeless, or on.
-        const bool small = size <= settings.tolerance * forces.scale + rounding;
-        if (report.iterations == 0) first = size;
-        risen = report.iterations > 0 && size > last ? risen + 1 : 0;
-        last = size;
-        if (!small &&
-            (!std::isfinite(size) || size > 1e6 * first || risen == 3 || report.iterations == settings.max_iterations))
-            return report;
-        system.solver().factorize(tangent(system, inertia, x));
-        if (small) {
-            report.converged = is_definite(system.solver());
-            return report;
-        }
-        if (system.solver().info() != Eigen::Success) return report;
-        system.add(system.solver().solve(forces.residual), x);
-        ++report.iterations;
+    bool seen(double residual) {
+        if (first < 0) first = last = residual;
+        risen = residual > last ? risen + 1 : 0;
+        last = residual;
+        return !(residual < 1e7 * first) || risen == 3;
+    }
+};
+
+/// Goes along `step`, halved until the potential decreases enough (Armijo's rule), but for its rounding.
+void go_downhill(const System& system, const Inertia& inertia, const Vector& residual, const Vector& step,
+                 std::vector<Vec3>& x) {
+    const std::vector<Vec3> start = x;
+    const double before = potential(system, inertia, x), slope = residual.dot(step);
+    for (double part = 1; part > 1e-4; part /= 2) {
+        x = start;
+        system.add(part * step, x);
+        if (potential(system, inertia, x) <= before - 1e-4 * part * slope + 1e-13 * std::abs(before)) return;
     }
 }
 
-/// Steps along definite tangents, each shortened until the potential decreases (Armijo).
-NewtonReport searched_steps(System& system, const Inertia& inertia, std::vector<Vec3>& x,
-                            const NewtonSettings& settings) {
-    NewtonReport report{.searched = true};
+/// Iterates until balanced, hopeless, or after so many linear solves.
+NewtonReport iterate(System& system, const Inertia& inertia, std::vector<Vec3>& x, double tolerance, int max_iterations,
+                     bool searched) {
+    NewtonReport report;
     const double rounding = rounding_force(system.solid);
+    Divergence divergence;
     while (true) {
+        // Give up?
         const Balance forces = balance(system, inertia, x);
         const double size = forces.residual.norm();
+        const bool small = size <= tolerance * forces.scale + rounding;
         report.residual = size / (forces.scale + rounding);
-        const bool small = size <= settings.tolerance * forces.scale + rounding;
-        if (!small && report.iterations == settings.max_iterations) return report;
-        const SparseMatrix A = tangent(system, inertia, x);
-        if (small) {
-            system.solver().factorize(A);
-            report.converged = is_definite(system.solver());
-            return report;
-        }
-        factorize_definite(system.solver(), A);
-        const Vector step = system.solver().solve(forces.residual);
-        ++report.iterations;
+        const bool diverges = searched ? !std::isfinite(size) : divergence.seen(size);
+        if (!small && (diverges || report.iterations == max_iterations)) return report;
 
-        // Halve until the potential has decreased, up to its rounding.
-        const double before = potential(system, inertia, x), slope = forces.residual.dot(step);
-        const std::vector<Vec3> start = x;
-        for (double part = 1; part > 1e-4; part /= 2) {
-            x = start;
-            system.add(part * step, x);
-            if (potential(system, inertia, x) <= before - 1e-4 * part * slope + 1e-13 * std::abs(before)) break;
-        }
+        // Done? The tangent tells a minimum from a saddle.
+        const SparseMatrix A = tangent(system, inertia, x);
+        system.solver().factorize(A);
+        if (small) report.converged = is_definite(system.solver());
+        if (small) return report;
+
+        // Step.
+        if (searched && !is_definite(system.solver())) factorize_definite(system.solver(), A);
+        if (system.solver().info() != Eigen::Success) return report;
+        const Vector step = system.solver().solve(forces.residual);
+        if (searched) go_downhill(system, inertia, forces.residual, step, x);
+        else system.add(step, x);
+        ++report.iterations;
     }
 }
 
 }  // namespace
 
 NewtonReport minimize(System& system, const Inertia& inertia, std::vector<Vec3>& x, const NewtonSettings& settings) {
-    const std::vector<Vec3> start = x;
-    const NewtonReport full = full_steps(system, inertia, x, settings);
-    if (full.converged) return full;
-    x = start;
-    NewtonReport searched = searched_steps(system, inertia, x, settings);
-    searched.iterations += full.iterations;
-    return searched;
+    int left = settings.max_iterations;
+    bool searched = false;
+    while (true) {
+        // Full steps, to the end.
+        std::vector<Vec3> tried = x;
+        NewtonReport report = iterate(system, inertia, tried, settings.tolerance, left, false);
+        left -= report.iterations;
+
+        // If they fail, ten searched ones from where these began, closer to the solution or all the way.
+        if (!report.converged && left > 0) {
+            report = iterate(system, inertia, x, settings.tolerance, std::min(left, 10), true);
+            left -= report.iterations;
+            searched = true;
+            if (!report.converged && left > 0 && report.iterations > 0) continue;
+            tried = x;
+        }
+        x = tried;
+        report.iterations = settings.max_iterations - left;
+        report.searched = searched;
+        return report;
+    }
 }
 
 }  // namespace phyxel::fem

@@ -17,10 +17,10 @@ struct NewtonSettings {
 };
 
 struct NewtonReport {
-    int iterations = 0;      ///< linear solves, those of a failed first attempt included
+    int iterations = 0;      ///< linear solves, those of failed attempts included
     bool converged = false;  ///< residual within tolerance, and the tangent there positive definite: a stable state
     double residual = 0;     ///< relative to the forces that balance
-    bool searched = false;   ///< full steps failed, and every step was searched for a decrease of the potential
+    bool searched = false;   ///< full steps alone did not do
 };
 
 /// The pull of inertia: c [1/s^2] and y [nodes].
@@ -29,9 +29,9 @@ struct Inertia {
     std::vector<Vec3> y;
 };
 
-/// Moves the free coordinates of x to the minimum. Full steps with the exact tangent first; where they diverge or end
-/// in an unstable state, once more from the start with definite tangents and searched steps. x is what was reached:
-/// look at `converged` before using it.
+/// Moves the free coordinates of x to the minimum. Full steps with the exact tangent; where they diverge or end in an
+/// unstable state, ten steps along definite tangents, each searched for a decrease of the potential, and full steps
+/// again from there. x is what was reached: look at `converged` before using it.
 NewtonReport minimize(System& system, const Inertia& inertia, std::vector<Vec3>& x, const NewtonSettings& settings);
 
 }  // namespace phyxel::fem

@@ -14,6 +14,10 @@ namespace phyxel::fem {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+/// L D L^T in the order of the nodes: with z the longest side the band is narrow, and narrow bands of 8-node hexahedra
+/// are five times faster to eliminate than what minimum degree makes of them; 27-node ones a fifth slower.
+using Solver = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
 /// Lower triangles of the stiffness and mass matrices over the free coordinates, with their shared sparsity and the
 /// order of its elimination: made once, used in every Newton iteration. The solid must outlive it.
 class System {
@@ -40,15 +44,15 @@ public:
     /// Consistent mass matrix [kg], the same for x, y and z. Lower half.
     const SparseMatrix& mass() const { return mass_; }
 
-    /// The solver with the elimination order of this sparsity; not factorized.
-    Eigen::SimplicialLDLT<SparseMatrix>& solver() { return solver_; }
+    /// The solver, prepared for this sparsity.
+    Solver& solver() { return solver_; }
 
 private:
     std::vector<Eigen::Index> free_;  // [3 nodes] number among the free coordinates, or -1
     Eigen::Index size_ = 0;
     SparseMatrix pattern_;  // zeros
     SparseMatrix mass_;
-    Eigen::SimplicialLDLT<SparseMatrix> solver_;
+    Solver solver_;
 
     SparseMatrix pattern() const;
     SparseMatrix consistent_mass() const;
