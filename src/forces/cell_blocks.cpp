@@ -239,6 +239,7 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, Instructions 
                              blocks_[b], slot_nodes[b], {},
                              {}};
         builder.run();
+        complete[b] = builder.complete;
     });
     matches_model_ = std::find(complete.begin(), complete.end(), 0) == complete.end();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
