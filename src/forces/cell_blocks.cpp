@@ -236,8 +236,7 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, Instructions 
     std::vector<char> complete(blocks_.size());
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
         BlockBuilder builder{*this,      model,         std::span(order).subspan(begin[b], begin[b + 1] - begin[b]),
-                             blocks_[b], slot_nodes[b], {},
-                             {}};
+                             blocks_[b], slot_nodes[b], {}};
         builder.run();
         complete[b] = builder.complete;
     });
