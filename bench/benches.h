@@ -8,9 +8,9 @@
 namespace phyxel::bench {
 
 struct Options {
-    int threads = 0;         ///< 0: all of the machine's
-    bool as_json = false;    ///< one JSON value on standard output instead of a table
-    std::string mesh;        ///< set-up: mesh file; empty: the bunny of `scenes/`, or a sphere where that is missing
+    int threads = 0;       ///< 0: all of the machine's
+    bool as_json = false;  ///< one JSON value on standard output instead of a table
+    std::string mesh;  ///< set-up: mesh file; empty: the bunny of `scenes/` (a sphere where that is missing), quartered
     std::size_t nodes = 0;   ///< set-up: this number of nodes only; 0: 2,000 and 20,000
     bool large = false;      ///< set-up: 200,000 nodes as well
     bool reference = false;  ///< table 5.1: also time the listing of the thesis, coded literally

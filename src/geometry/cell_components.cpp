@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -17,10 +18,12 @@ namespace {
 using sub_voxel::Mask;
 
 /// A mesh that was clipped as closed needs a winding number only where lines along z find it open after all.
-SubVoxels sub_voxels_of(const TriangleMesh& mesh, const WindingNumber* winding, double pitch, const Threads& threads) {
-    if (winding) return make_sub_voxels(mesh, *winding, pitch, threads);
-    std::optional<SubVoxels> closed = sub_voxels_by_columns(mesh, pitch, threads);
-    return closed ? std::move(*closed) : sub_voxels_by_winding_number(mesh, WindingNumber(mesh), pitch, threads);
+std::shared_ptr<const SubVoxels> sub_voxels_of(const TriangleMesh& mesh, const ClippedVolume& clip,
+                                               const Threads& threads) {
+    if (clip.sub_voxels) return clip.sub_voxels;
+    std::optional<SubVoxels> closed = sub_voxels_by_columns(mesh, clip.pitch, threads);
+    return std::make_shared<const SubVoxels>(
+        closed ? std::move(*closed) : sub_voxels_by_winding_number(mesh, WindingNumber(mesh), clip.pitch, threads));
 }
 
 /// The parts of all boxes, by box.
@@ -222,10 +225,9 @@ void attach_crumbs(const OctantMap& map, const OctantPieces& index, const CellCo
 
 }  // namespace
 
-CellComponents find_components(const TriangleMesh& mesh, const ClippedVolume& clip, const WindingNumber* winding,
-                               const Threads& threads) {
-    const SubVoxels voxels = sub_voxels_of(mesh, winding, clip.pitch, threads);
-    const OctantMap map(clip, voxels);
+CellComponents find_components(const TriangleMesh& mesh, const ClippedVolume& clip, const Threads& threads) {
+    const std::shared_ptr<const SubVoxels> voxels = sub_voxels_of(mesh, clip, threads);
+    const OctantMap map(clip, *voxels);
     const LineOfSight sight(mesh);
 
     CellComponents result;

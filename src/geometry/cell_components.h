@@ -16,8 +16,6 @@
 
 namespace phyxel {
 
-class WindingNumber;
-
 struct CellComponents {
     /// One connected part of the solid in one node box. Box (I, J, K) is the cube of edge 2 pitch around the node at
     /// (I, J, K) 2 pitch; octant i belongs to box (i + 1) >> 1, along each axis.
@@ -46,8 +44,6 @@ struct CellComponents {
 /// but no centre, voxels that touch at edges only) is joined to the parts of adjacent octants to which a straight line
 /// leads without crossing the surface. A sliver that sees none of them is joined to one, so that it is not lost and
 /// joins nothing else.
-/// `winding` decides inside for meshes that were clipped by it; null for meshes that were clipped as closed.
-CellComponents find_components(const TriangleMesh& mesh, const ClippedVolume& clip, const WindingNumber* winding,
-                               const Threads& threads);
+CellComponents find_components(const TriangleMesh& mesh, const ClippedVolume& clip, const Threads& threads);
 
 }  // namespace phyxel

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/threads.h"
@@ -16,6 +17,7 @@
 namespace phyxel {
 
 class WindingNumber;
+struct SubVoxels;
 
 /// The part of the solid inside one octant.
 struct Octant {
@@ -39,7 +41,10 @@ struct ClippedVolume {
     /// Closed boundary of the clipped region: sum area = 0, sum position (x) area = volume times the identity.
     std::vector<SurfacePoint> boundary;
     double volume = 0;  ///< [m^3] sum over the octants
-    double leak = 0;    ///< largest projected area left open below a column of octants / pitch^2; 0 (1e-13) when closed
+    /// What the octants were made of where the winding number decided; finding it takes seconds. Null for closed
+    /// meshes.
+    std::shared_ptr<const SubVoxels> sub_voxels;
+    double leak = 0;  ///< largest projected area left open below a column of octants / pitch^2; 0 (1e-13) when closed
 };
 
 /// Octants of a closed mesh oriented outward, exactly: volumes add up to the mesh's volume, first moments likewise, to

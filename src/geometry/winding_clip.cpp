@@ -47,7 +47,8 @@ Plane collect_plane(const SubVoxels& voxels, int i) {
 
 ClippedVolume clip_by_winding_number(const TriangleMesh& mesh, const WindingNumber& winding, double pitch,
                                      const Threads& threads) {
-    const SubVoxels voxels = make_sub_voxels(mesh, winding, pitch, threads);
+    const auto shared = std::make_shared<const SubVoxels>(make_sub_voxels(mesh, winding, pitch, threads));
+    const SubVoxels& voxels = *shared;
     const int first = voxels.grid.first[0];
     std::vector<Plane> planes(static_cast<std::size_t>(voxels.grid.extent[0]));
     voxels.grid.for_planes(threads,
@@ -55,6 +56,7 @@ ClippedVolume clip_by_winding_number(const TriangleMesh& mesh, const WindingNumb
 
     ClippedVolume clip;
     clip.pitch = pitch;
+    clip.sub_voxels = shared;
     for (const Plane& plane : planes) {
         clip.octants.insert(clip.octants.end(), plane.octants.begin(), plane.octants.end());
         clip.boundary.insert(clip.boundary.end(), plane.boundary.begin(), plane.boundary.end());

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "geometry/bvh.h"
 
 namespace phyxel {
 namespace {
@@ -25,14 +26,10 @@ Mat3 rotation_matrix(const AxisAngle& rotation) {
 LatticeFrame place_lattice(const TriangleMesh& mesh, const Mat3& body_rotation, const AxisAngle& lattice_rotation,
                            double pitch) {
     LatticeFrame frame{body_rotation * rotation_matrix(lattice_rotation), {}};
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Vec3 low{infinity, infinity, infinity}, high = -low;
-    for (const Vec3& X : mesh.vertices) {
-        const Vec3 p = frame.to_lattice(X);
-        for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
-    }
+    Bounds box;
+    for (const Vec3& X : mesh.vertices) box.add(frame.to_lattice(X));
     Vec3 first;
-    for (int c = 0; c < 3; ++c) first[c] = first_plane(low[c], high[c], pitch);
+    for (int c = 0; c < 3; ++c) first[c] = first_plane(box.lower[c], box.upper[c], pitch);
     frame.origin = frame.rotation * first;
     return frame;
 }

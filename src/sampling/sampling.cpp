@@ -27,8 +27,7 @@ struct Clipped {
     LatticeFrame frame;
     TriangleMesh mesh;
     ClippedVolume volume;
-    std::unique_ptr<WindingNumber> winding;  ///< only where the surface does not bound a volume by itself
-    double pitch;                            ///< edge of a box
+    double pitch;  ///< edge of a box
     double volume_scale = 1;
 };
 
@@ -57,8 +56,9 @@ Clipped clip(const CheckedMesh& checked, const BodySettings& settings, double sp
         result.volume = clip_closed(result.mesh, result.pitch / 2, threads);
         return result;
     }
-    result.winding = std::make_unique<WindingNumber>(result.mesh);
-    result.volume = clip_by_winding_number(result.mesh, *result.winding, result.pitch / 2, threads);
+    // The surface does not bound a volume by itself.
+    const WindingNumber winding(result.mesh);
+    result.volume = clip_by_winding_number(result.mesh, winding, result.pitch / 2, threads);
     // Sub-voxels see the volume only as well as they are small: a body must not change its mass with its spacing.
     if (result.volume.volume > 0) result.volume_scale = checked.report.volume / result.volume.volume;
     scale_volume(result.volume, result.volume_scale);
@@ -212,7 +212,7 @@ void refuse_flat(const Sampling& s, const MeshReport& report) {
 Sampling sample(const CheckedMesh& mesh, const BodySettings& settings, double spacing, const Threads& threads) {
     guard_memory(mesh.report, box_pitch(settings, spacing), spacing, settings.lattice == Lattice::bcc ? 2 : 1);
     Clipped clipped = clip(mesh, settings, spacing, threads);
-    CellComponents components = find_components(clipped.mesh, clipped.volume, clipped.winding.get(), threads);
+    CellComponents components = find_components(clipped.mesh, clipped.volume, threads);
 
     Sampling s;
     s.frame = clipped.frame;

@@ -18,7 +18,7 @@ struct Components {
 
 Components components_of(const TriangleMesh& mesh, double spacing, int threads = 2) {
     ClippedVolume clip = clip_closed(mesh, spacing / 2, Threads(threads));
-    CellComponents cells = find_components(mesh, clip, nullptr, Threads(threads));
+    CellComponents cells = find_components(mesh, clip, Threads(threads));
     return {std::move(clip), std::move(cells)};
 }
 
@@ -228,7 +228,7 @@ TEST(CellComponents, a_sub_voxel_clipped_body_has_the_same_parts) {
     const Plates plates(0.3, 2);
     const WindingNumber winding(plates.mesh);
     const ClippedVolume clip = clip_by_winding_number(plates.mesh, winding, 0.5, Threads(2));
-    const Components parts{clip, find_components(plates.mesh, clip, &winding, Threads(2))};
+    const Components parts{clip, find_components(plates.mesh, clip, Threads(2))};
     expect_sound(parts, "plates");
     EXPECT_EQ(clusters(parts.cells), 2u);
 }
