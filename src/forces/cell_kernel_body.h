@@ -17,7 +17,7 @@ struct CellKernelBody {
 
     PHYXEL_INLINE Float load(const float* from) { return *reinterpret_cast<const typename S::Unaligned*>(from); }
     PHYXEL_INLINE void store(float* to, const Float& value) { *reinterpret_cast<typename S::Unaligned*>(to) = value; }
-    PHYXEL_INLINE Float splat(float value) { return Float{} + value; }
+    PHYXEL_INLINE Float splat(float value) { return value - Float{}; }
     PHYXEL_INLINE Float fma(const Float& a, const Float& b, const Float& c) { return S::fma(a, b, c); }
 
     struct Matrix {
