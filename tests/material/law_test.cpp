@@ -111,6 +111,32 @@ TEST(Law, stress_action_is_the_derivative_of_stress) {
     }
 }
 
+TEST(Law, dilatation_gradient_and_its_action_are_derivatives) {
+    Draw draw(11);
+    for (const auto& [name, material] : all_laws()) {
+        double worst = 0, worst_action = 0;
+        for (const Mat3& F : gradients()) {
+            const Law law = material.law;
+            const Mat3 dF = draw.matrix();
+            const double slope = derivative([&](double s) { return dilatation(law, F + s * dF); }, 3e-4);
+            worst = std::max(worst, std::abs(contract(dilatation_gradient(law, F), dF) - slope));
+            const Mat3 change = derivative([&](double s) { return dilatation_gradient(law, F + s * dF); }, 3e-4);
+            worst_action = std::max(worst_action, norm(dilatation_gradient_action(law, F, dF) - change) / norm(dF));
+        }
+        EXPECT_LE(worst, 1e-9) << name;
+        EXPECT_LE(worst_action, 1e-7) << name;
+    }
+}
+
+TEST(Law, energy_is_that_without_dilatation_and_half_lambda_times_dilatation_squared) {
+    for (const auto& [name, material] : all_laws())
+        for (const Mat3& F : gradients()) {
+            const double lambda = material.lame.lambda, theta = dilatation(material.law, F);
+            const double sum = energy(without_dilatation(material), F) + 0.5 * lambda * theta * theta;
+            EXPECT_NEAR(energy(material, F), sum, 1e-12 * (p_wave_modulus(material.lame) + std::abs(sum))) << name;
+        }
+}
+
 TEST(Law, stress_action_is_symmetric) {
     Draw draw(6);
     for (const auto& [name, material] : all_laws())
