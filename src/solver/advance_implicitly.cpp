@@ -24,6 +24,7 @@ void restore(Bodies bodies, const std::vector<Before>& before) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         bodies[i]->state = before[i].state;
         bodies[i]->history = before[i].history;
+        bodies[i]->step_energy.reset();
         bodies[i]->exchanged = before[i].exchanged;
         bodies[i]->penalty_energy = before[i].penalty_energy;
         bodies[i]->carried_load = before[i].carried_load;

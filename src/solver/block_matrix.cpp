@@ -17,7 +17,8 @@ BlockMatrix BlockRows::compressed() const {
     for (const auto& entries : rows_) {
         for (const Entry& entry : entries) {
             matrix.column.push_back(entry.column);
-            matrix.value.push_back(entry.value);
+            Mat3f& value = matrix.value.emplace_back();
+            for (std::size_t r = 0; r < 3; ++r) value.rows[r] = vector_cast<float>(entry.value.rows[r]);
         }
         matrix.offset.push_back(matrix.column.size());
     }

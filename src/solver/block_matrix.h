@@ -9,18 +9,18 @@
 
 namespace phyxel {
 
-/// Sparse matrix of 3x3 blocks, row by row, columns ascending.
+/// Sparse matrix of 3x3 blocks in single precision, row by row, columns ascending.
 struct BlockMatrix {
     std::vector<std::size_t> offset{0};  ///< [rows + 1] into the rest
     std::vector<std::uint32_t> column;
-    std::vector<Mat3> value;
+    std::vector<Mat3f> value;
 
     std::size_t rows() const { return offset.size() - 1; }
 
     /// y = A x.
-    void multiply(std::span<const Vec3> x, std::span<Vec3> y, const Threads& threads) const {
+    void multiply(std::span<const Vec3f> x, std::span<Vec3f> y, const Threads& threads) const {
         threads.for_each(rows(), 64, [&](std::size_t i) {
-            Vec3 sum{};
+            Vec3f sum{};
             for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) sum += value[k] * x[column[k]];
             y[i] = sum;
         });

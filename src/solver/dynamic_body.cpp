@@ -14,8 +14,18 @@ double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threa
 
 }  // namespace
 
+FastForces* DynamicBody::prepare_fast_forces(const Threads& threads) {
+    if (!fast_forces && model.nodal.kappa.empty()) {
+        CellBlocks cells(model, threads);
+        if (FastForces::apply_to(model, cells)) fast_forces = std::make_unique<FastForces>(model, std::move(cells));
+    }
+    return fast_forces.get();
+}
+
 WarpedPreconditioner& DynamicBody::prepare_preconditioner(double stiffness, double inertia, const Threads& threads) {
-    if (!preconditioner) preconditioner = std::make_unique<WarpedPreconditioner>(model, constraints, threads);
+    if (!preconditioner)
+        preconditioner =
+            std::make_unique<WarpedPreconditioner>(model, constraints, prepare_fast_forces(threads), threads);
     preconditioner->set_weights(stiffness, inertia, threads);
     return *preconditioner;
 }

@@ -5,6 +5,7 @@
 
 #include "contact/contact.h"
 #include "forces/constraints.h"
+#include "forces/fast_forces.h"
 #include "forces/internal_forces.h"
 #include "forces/loads.h"
 #include "solver/stable_step.h"
@@ -49,14 +50,18 @@ struct DynamicBody {
 
     // Implicit and static.
     History history;
-    double carried_load = 0;                               ///< share of the loads that the state is in equilibrium with
-    double penalty_energy = 0;                             ///< [J] of patches held by penalties
+    double carried_load = 0;            ///< share of the loads that the state is in equilibrium with
+    double penalty_energy = 0;          ///< [J] of patches held by penalties
+    std::optional<double> step_energy;  ///< [J] kinetic and stored, after an implicit step
+    std::unique_ptr<FastForces> fast_forces;
     std::unique_ptr<WarpedPreconditioner> preconditioner;  ///< made when first needed, for its material and fixes
 
+    /// Single-precision forces, made when first needed; null when the model's quadrature has none.
+    FastForces* prepare_fast_forces(const Threads& threads);
     /// The preconditioner of s K + c M + penalties, made or brought up to date.
     WarpedPreconditioner& prepare_preconditioner(double stiffness, double inertia, const Threads& threads);
     /// To be called when the material or the fixes change, or the motion starts anew.
-    void forget_solver() { preconditioner.reset(), history = {}; }
+    void forget_solver() { preconditioner.reset(), fast_forces.reset(), history = {}, step_energy.reset(); }
 
     // Work arrays [nodes].
     ForceWorkspace work;

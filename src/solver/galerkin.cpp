@@ -110,6 +110,10 @@ private:
     std::vector<CoarseGradient> stencil_;
 };
 
+Mat3 to_double(const Mat3f& A) {
+    return {{vector_cast<double>(A.rows[0]), vector_cast<double>(A.rows[1]), vector_cast<double>(A.rows[2])}};
+}
+
 /// Points that share a mean dilatation have none of their own.
 Lame own_lame(const Model& m, std::uint32_t q) {
     const Lame& lame = m.point_material(q).lame;
@@ -224,7 +228,7 @@ BlockRows galerkin_product(const BlockMatrix& A, const Coarsening& coarse) {
         std::map<std::uint32_t, Mat3> row;
         for (std::size_t k = A.offset[i]; k < A.offset[i + 1]; ++k)
             for (std::uint32_t p = P.offset[A.column[k]]; p < P.offset[A.column[k] + 1]; ++p)
-                row[P.column[p]] += P.value[p] * A.value[k];
+                row[P.column[p]] += P.value[p] * to_double(A.value[k]);
         for (std::uint32_t p = P.offset[i]; p < P.offset[i + 1]; ++p)
             for (const auto& [J, block] : row) rows.add(P.column[p], J, P.value[p] * block);
     }

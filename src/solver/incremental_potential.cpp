@@ -13,8 +13,13 @@ constexpr double contact_share = 10;  ///< stiffness of contact over 1 / (tau^2 
 
 }  // namespace
 
-IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& surroundings, const Threads& t)
-    : body(b), around(surroundings), threads(t), free_(b.constraints.free_components(b.model.rest.size())) {
+IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& surroundings, Precision precision,
+                                           const Threads& t)
+    : body(b),
+      around(surroundings),
+      threads(t),
+      fast_(precision == Precision::single && surroundings.stiffness_damping == 0 ? b.prepare_fast_forces(t) : nullptr),
+      free_(b.constraints.free_components(b.model.rest.size())) {
     velocity_.resize(free_.size());
     velocity_offset.resize(free_.size());
 }
@@ -43,7 +48,8 @@ void IncrementalPotential::gradient(std::span<const Vec3> x, std::span<Vec3> g) 
     ++evaluations;
     const Model& m = body.model;
     if (stiffness_damping() > 0) find_velocity(x);
-    internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, g);
+    if (fast_) fast_->forces(m, x, threads, g);
+    else internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, g);
     loads_.assign(x.size(), {});
     for (const SurfaceLoad& load : body.loads) load.add(load_time, x, loads_);
     threads.for_each(x.size(), node_chunk, [&](std::size_t i) {
@@ -61,10 +67,11 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
     Forces f;
     for (auto* part : {&f.conservative, &f.viscous, &f.friction, &f.loads, &f.sum}) part->assign(n, {});
     find_velocity(x);
-    internal_forces(m, x, {}, 0, body.work, threads, f.conservative);
+    if (fast_) fast_->forces(m, x, threads, f.conservative);
+    else internal_forces(m, x, {}, 0, body.work, threads, f.conservative);
     if (stiffness_damping() > 0) {
         internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, f.viscous);
-        add_scaled(f.viscous, -1, f.conservative, threads);
+        add_scaled(f.viscous, -1.0, f.conservative, threads);
     }
     body.constraints.add_penalty_forces(time, x, f.conservative);
     add_contact(x, f.conservative, f.friction);
@@ -91,7 +98,7 @@ void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3>
     if (!body.friction_touches.empty())
         body.contact->add_smooth_friction_action(around.colliders, body.friction_touches, slip_speed * friction_step, x,
                                                  start, d, out);
-    apply_mask(out, free_, threads);
+    threads.for_each(out.size(), node_chunk, [&](std::size_t i) { out[i] = times(free_[i], out[i]); });
 }
 
 void set_contact_stiffness(DynamicBody& b, double dt) {

@@ -50,7 +50,7 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
 
         // The last step is taken too: it costs no gradient more.
         threads.for_each(n, node_chunk, [&](std::size_t i) { d[i] = -d[i]; });
-        add_scaled(x, 1, d, threads);
+        add_scaled(x, 1.0, d, threads);
         if (std::sqrt(decrease) <= tolerance.energy || report.residual <= tolerance.force)
             return report.converged = true, report;
         before = g;
@@ -73,7 +73,7 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
 
         if (pairs.size() == most_pairs) pairs.pop_front();
         Pair pair{d, g, 0};
-        add_scaled(pair.change, -1, before, threads);
+        add_scaled(pair.change, -1.0, before, threads);
         const double product = inner(pair.step, pair.change, threads);
         if (product > 0) {
             pair.inverse_product = 1 / product;

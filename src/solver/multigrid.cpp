@@ -17,11 +17,20 @@ constexpr int power_iterations = 20;
 int smoothing_degree(std::size_t nodes) { return nodes <= 5000 ? 1 : nodes <= 20000 ? 2 : 3; }
 double smoothing_range(int degree) { return degree == 1 ? 4 : degree == 2 ? 8 : 14; }
 
+/// To eight binary digits: steps whose lengths differ by rounding share their operators.
+double rounded(double weight) {
+    int exponent = 0;
+    const double mantissa = std::frexp(weight, &exponent);
+    return std::ldexp(std::round(mantissa * 256), exponent - 8);
+}
+
 Mat3 masked(const Mat3& A, const Vec3& free) {
     Mat3 result;
     for (std::size_t r = 0; r < 3; ++r) result.rows[r] = free[r] * times(free, A.rows[r]);
     return result;
 }
+
+Mat3f diagonal_float(const Vec3& d) { return Mat3f::diagonal(vector_cast<float>(d)); }
 
 /// Places of the nodes from the lowest corner of the body, in spacings.
 std::vector<Vec3> places_of_nodes(const Model& m) {
@@ -58,8 +67,8 @@ struct RestMultigrid::Level {
     BlockMatrix sum;         ///< s K + c M; empty on level 0
     PatchRows patches;
     BlockJacobi jacobi;
-    double largest = 1;            ///< eigenvalue of the smoothed operator
-    std::vector<Vec3> r, x, d, t;  ///< [nodes] residual, result, change, product
+    double largest = 1;             ///< eigenvalue of the smoothed operator
+    std::vector<Vec3f> r, x, d, t;  ///< [nodes] residual, result, change, product
 };
 
 struct RestMultigrid::CoarseFactor {
@@ -70,8 +79,9 @@ struct RestMultigrid::CoarseFactor {
 RestMultigrid::~RestMultigrid() = default;
 RestMultigrid::RestMultigrid(RestMultigrid&&) noexcept = default;
 
-RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads)
-    : model_(model), free_(constraints.free_components(model.rest.size())) {
+RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, FastForces* fast,
+                             const Threads& threads)
+    : model_(model), fast_(fast), free_(constraints.free_components(model.rest.size())) {
     degree_ = smoothing_degree(model.rest.size());
     diagonal_ = stiffness_diagonal(model, threads);
     std::vector<Vec3> places = places_of_nodes(model);
@@ -95,12 +105,12 @@ RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints,
         if (levels_.size() == 1) {
             for (std::uint32_t i = 0; i < last.nodes; ++i) {
                 fine_mass.column.push_back(i);
-                fine_mass.value.push_back(Mat3::diagonal(last.mass[i]));
+                fine_mass.value.push_back(diagonal_float(last.mass[i]));
                 fine_mass.offset.push_back(i + 1);
             }
         } else {
             fine_mass = last.stiffness;
-            for (std::size_t k = 0; k < fine_mass.value.size(); ++k) fine_mass.value[k] = Mat3::diagonal(last.mass[k]);
+            for (std::size_t k = 0; k < fine_mass.value.size(); ++k) fine_mass.value[k] = diagonal_float(last.mass[k]);
         }
         next.stiffness = stiffness.compressed();
         next.mass = galerkin_mass(next.stiffness, galerkin_product(fine_mass, c));
@@ -119,6 +129,7 @@ RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints,
 }
 
 void RestMultigrid::set_weights(double stiffness, double inertia, const Threads& threads) {
+    stiffness = rounded(stiffness), inertia = rounded(inertia);
     if (stiffness == stiffness_ && inertia == inertia_) return;
     stiffness_ = stiffness, inertia_ = inertia;
     for (std::size_t l = 0; l < levels_.size(); ++l) {
@@ -130,10 +141,13 @@ void RestMultigrid::set_weights(double stiffness, double inertia, const Threads&
         } else {
             level.sum = level.stiffness;
             for (std::size_t k = 0; k < level.sum.value.size(); ++k)
-                level.sum.value[k] = stiffness * level.stiffness.value[k] + Mat3::diagonal(inertia * level.mass[k]);
+                level.sum.value[k] =
+                    static_cast<float>(stiffness) * level.stiffness.value[k] + diagonal_float(inertia * level.mass[k]);
             for (std::size_t i = 0; i < level.nodes; ++i)
                 for (std::size_t k = level.sum.offset[i]; k < level.sum.offset[i + 1]; ++k)
-                    if (level.sum.column[k] == i) diagonal[i] = level.sum.value[k];
+                    if (level.sum.column[k] == i)
+                        for (std::size_t r = 0; r < 3; ++r)
+                            diagonal[i].rows[r] = vector_cast<double>(level.sum.value[k].rows[r]);
         }
         if (l + 1 < levels_.size()) {
             level.jacobi = BlockJacobi(diagonal, level.patches);
@@ -141,19 +155,21 @@ void RestMultigrid::set_weights(double stiffness, double inertia, const Threads&
             continue;
         }
         // The coarsest level: dense, shifted so that fields which no node sees do not stop the factor.
-        BlockRows rows(level.nodes);
-        for (std::uint32_t i = 0; i < level.nodes; ++i)
-            for (std::size_t k = level.sum.offset[i]; k < level.sum.offset[i + 1]; ++k)
-                rows.add(i, level.sum.column[k], level.sum.value[k]);
-        level.patches.add_to(rows);
-        const BlockMatrix all = rows.compressed();
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * Eigen::Index(level.nodes), 3 * Eigen::Index(level.nodes));
-        for (std::size_t i = 0; i < level.nodes; ++i)
-            for (std::size_t k = all.offset[i]; k < all.offset[i + 1]; ++k)
-                for (Eigen::Index a = 0; a < 3; ++a)
-                    for (Eigen::Index b = 0; b < 3; ++b)
-                        A(3 * Eigen::Index(i) + a, 3 * Eigen::Index(all.column[k]) + b) = all.value[k](a, b);
-        const double shift = std::max(1e-10 * A.diagonal().maxCoeff(), 1e-300);
+        const auto add_blocks = [&A](const BlockMatrix& blocks) {
+            for (std::size_t i = 0; i < blocks.rows(); ++i)
+                for (std::size_t k = blocks.offset[i]; k < blocks.offset[i + 1]; ++k)
+                    for (std::size_t a = 0; a < 3; ++a)
+                        for (std::size_t b = 0; b < 3; ++b)
+                            A(Eigen::Index(3 * i + a), Eigen::Index(3 * blocks.column[k] + b)) +=
+                                static_cast<double>(blocks.value[k](a, b));
+        };
+        add_blocks(level.sum);
+        BlockRows penalties(level.nodes);
+        level.patches.add_to(penalties);
+        add_blocks(penalties.compressed());
+        A = (0.5 * (A + A.transpose())).eval();
+        const double shift = std::max(1e-7 * A.diagonal().maxCoeff(), 1e-300);
         A.diagonal().array() += shift;
         factor_->llt.compute(A);
         factor_->b.resize(A.rows());
@@ -163,15 +179,15 @@ void RestMultigrid::set_weights(double stiffness, double inertia, const Threads&
 double RestMultigrid::largest_eigenvalue(std::size_t l, const Threads& threads) {
     Level& level = levels_[l];
     for (std::size_t i = 0; i < level.nodes; ++i) {
-        const auto wave = [&](double k) { return std::sin(k * static_cast<double>(i + 1)); };
+        const auto wave = [&](double k) { return static_cast<float>(std::sin(k * static_cast<double>(i + 1))); };
         level.d[i] = {wave(1.7), wave(2.9), wave(4.3)};
+        if (l == 0) level.d[i] = times(vector_cast<float>(free_[i]), level.d[i]);
     }
-    if (l == 0) apply_mask(level.d, free_, threads);
     double lambda = 0;
     for (int k = 0; k < power_iterations; ++k) {
         const double size = std::sqrt(inner(level.d, level.d, threads));
         if (!(size > 0)) return 1;
-        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) { level.d[i] /= size; });
+        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) { level.d[i] /= static_cast<float>(size); });
         multiply(l, level.d, level.t, threads);
         level.jacobi.apply(level.t, level.d, threads);
         lambda = std::sqrt(inner(level.d, level.d, threads));
@@ -179,12 +195,23 @@ double RestMultigrid::largest_eigenvalue(std::size_t l, const Threads& threads) 
     return lambda;
 }
 
-void RestMultigrid::multiply(std::size_t l, std::span<const Vec3> d, std::span<Vec3> out, const Threads& threads) {
+void RestMultigrid::multiply(std::size_t l, const std::vector<Vec3f>& d, std::vector<Vec3f>& out,
+                             const Threads& threads) {
     Level& level = levels_[l];
     if (l == 0) {
-        stiffness_action(model_, model_.rest, d, work_, threads, out);
+        if (fast_) {
+            fast_->rest_action(model_, d, threads, out);
+        } else {
+            wide_d_.resize(d.size());
+            wide_out_.resize(d.size());
+            threads.for_each(d.size(), node_chunk, [&](std::size_t i) { wide_d_[i] = vector_cast<double>(d[i]); });
+            stiffness_action(model_, model_.rest, wide_d_, work_, threads, wide_out_);
+            threads.for_each(d.size(), node_chunk, [&](std::size_t i) { out[i] = vector_cast<float>(wide_out_[i]); });
+        }
+        const auto s = static_cast<float>(stiffness_);
         threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
-            out[i] = times(free_[i], stiffness_ * out[i]) + inertia_ * times(level.mass[i], d[i]);
+            const Vec3f free = vector_cast<float>(free_[i]), mass = vector_cast<float>(inertia_ * level.mass[i]);
+            out[i] = times(free, s * out[i]) + times(mass, d[i]);
         });
     } else {
         level.sum.multiply(d, out, threads);
@@ -204,15 +231,16 @@ void RestMultigrid::smooth(std::size_t l, bool from_zero, const Threads& threads
         double keep = 0, take = 1 / middle;
         if (k > 0) {
             multiply(l, level.d, level.t, threads);
-            add_scaled(level.r, -1, level.t, threads);
+            add_scaled(level.r, -1.0f, level.t, threads);
             const double next = 1 / (2 * sigma - rho);
             keep = next * rho, take = 2 * next / half;
             rho = next;
         }
         level.jacobi.apply(level.r, level.t, threads);
         const bool first = k == 0 && from_zero;
+        const auto old = static_cast<float>(keep), fresh = static_cast<float>(take);
         threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
-            level.d[i] = keep * (k > 0 ? level.d[i] : Vec3{}) + take * level.t[i];
+            level.d[i] = old * (k > 0 ? level.d[i] : Vec3f{}) + fresh * level.t[i];
             level.x[i] = first ? level.d[i] : level.x[i] + level.d[i];
         });
     }
@@ -222,29 +250,33 @@ void RestMultigrid::cycle(std::size_t l, const Threads& threads) {
     Level& level = levels_[l];
     if (l + 1 == levels_.size()) {
         for (std::size_t i = 0; i < level.nodes; ++i)
-            for (std::size_t d = 0; d < 3; ++d) factor_->b[static_cast<Eigen::Index>(3 * i + d)] = level.r[i][d];
+            for (std::size_t d = 0; d < 3; ++d)
+                factor_->b[static_cast<Eigen::Index>(3 * i + d)] = static_cast<double>(level.r[i][d]);
         factor_->llt.solveInPlace(factor_->b);
         for (std::size_t i = 0; i < level.nodes; ++i)
-            for (std::size_t d = 0; d < 3; ++d) level.x[i][d] = factor_->b[static_cast<Eigen::Index>(3 * i + d)];
+            for (std::size_t d = 0; d < 3; ++d)
+                level.x[i][d] = static_cast<float>(factor_->b[static_cast<Eigen::Index>(3 * i + d)]);
         return;
     }
     // Smooth, solve what is left on the coarser level, smooth again.
     smooth(l, true, threads);
     multiply(l, level.d, level.t, threads);
-    add_scaled(level.r, -1, level.t, threads);
+    add_scaled(level.r, -1.0f, level.t, threads);
     Level& next = levels_[l + 1];
-    const auto gather = [&](const SparseRows& rows, std::span<const Vec3> from, std::span<Vec3> to) {
+    const auto gather = [&](const SparseRows& rows, const std::vector<Vec3f>& from, std::vector<Vec3f>& to) {
         threads.for_each(to.size(), 256, [&](std::size_t i) {
-            Vec3 sum{};
+            Vec3f sum{};
             for (std::uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k)
-                sum += rows.value[k] * from[rows.column[k]];
+                sum += static_cast<float>(rows.value[k]) * from[rows.column[k]];
             to[i] = sum;
         });
     };
     gather(level.coarsening.restriction, level.r, next.r);
     cycle(l + 1, threads);
     gather(level.coarsening.prolongation, next.x, level.d);
-    if (l == 0) apply_mask(level.d, free_, threads);
+    if (l == 0)
+        threads.for_each(level.nodes, node_chunk,
+                         [&](std::size_t i) { level.d[i] = times(vector_cast<float>(free_[i]), level.d[i]); });
     multiply(l, level.d, level.t, threads);
     threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
         level.r[i] -= level.t[i];
@@ -253,11 +285,7 @@ void RestMultigrid::cycle(std::size_t l, const Threads& threads) {
     smooth(l, false, threads);
 }
 
-void RestMultigrid::apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) {
-    Level& fine = levels_.front();
-    threads.for_each(r.size(), node_chunk, [&](std::size_t i) { fine.r[i] = times(free_[i], r[i]); });
-    cycle(0, threads);
-    std::copy(fine.x.begin(), fine.x.end(), z.begin());
-}
+std::vector<Vec3f>& RestMultigrid::residual() { return levels_.front().r; }
+const std::vector<Vec3f>& RestMultigrid::result() const { return levels_.front().x; }
 
 }  // namespace phyxel

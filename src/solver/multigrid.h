@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "forces/fast_forces.h"
 #include "forces/internal_forces.h"
 #include "solver/patch_rows.h"
 
@@ -12,21 +13,24 @@ namespace phyxel {
 
 /// Approximate inverse of A = s K(rest) + c M + penalties by one V-cycle of geometric multigrid: lattices of twice,
 /// four times ... the spacing with trilinear interpolation and Galerkin operators, smoothed by Chebyshev polynomials
-/// over block Jacobi, and a Cholesky factor where few unknowns are left. Symmetric and positive definite. Held
-/// components stay zero.
+/// over block Jacobi, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and positive
+/// definite. Held components stay zero.
 ///
 /// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedMultigrid`).
 class RestMultigrid {
 public:
-    RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads);
+    /// `fast`: null where the model has no forces in single precision.
+    RestMultigrid(const Model& model, const Constraints& constraints, FastForces* fast, const Threads& threads);
     ~RestMultigrid();
     RestMultigrid(RestMultigrid&&) noexcept;
 
     /// Sets s and c [1/s^2]; the operators are put together anew when they changed.
     void set_weights(double stiffness, double inertia, const Threads& threads);
 
-    /// z = V r.
-    void apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads);
+    /// The residual r to be filled in, and the result z = V r after `cycle`, both [nodes].
+    std::vector<Vec3f>& residual();
+    const std::vector<Vec3f>& result() const;
+    void cycle(const Threads& threads) { cycle(0, threads); }
 
     std::span<const Vec3> free() const { return free_; }  ///< [nodes] 1 for components that may move, else 0
 
@@ -34,19 +38,21 @@ private:
     struct Level;
     struct CoarseFactor;
 
-    void multiply(std::size_t level, std::span<const Vec3> d, std::span<Vec3> out, const Threads& threads);
+    void multiply(std::size_t level, const std::vector<Vec3f>& d, std::vector<Vec3f>& out, const Threads& threads);
     void smooth(std::size_t level, bool from_zero, const Threads& threads);
     void cycle(std::size_t level, const Threads& threads);
     double largest_eigenvalue(std::size_t level, const Threads& threads);
 
     const Model& model_;
+    FastForces* fast_;
     std::vector<Vec3> free_;
     std::vector<Mat3> diagonal_;  ///< [nodes] of K(rest)
     std::vector<Level> levels_;   ///< [0] the nodes themselves
     std::unique_ptr<CoarseFactor> factor_;
     double stiffness_ = 0, inertia_ = -1;
     int degree_ = 1;
-    ForceWorkspace work_;
+    ForceWorkspace work_;  ///< where there are no fast forces
+    std::vector<Vec3> wide_d_, wide_out_;
 };
 
 }  // namespace phyxel

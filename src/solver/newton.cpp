@@ -20,7 +20,7 @@ public:
         : potential_(potential), preconditioner_(preconditioner), z_(potential.size()), p_(z_), product_(z_) {}
 
     /// Writes the solution into `d`; `b` becomes the residual. Returns the number of iterations.
-    std::size_t solve(std::span<const Vec3> x, std::span<Vec3> b, std::span<Vec3> d) {
+    std::size_t solve(std::span<const Vec3> x, std::vector<Vec3>& b, std::vector<Vec3>& d) {
         const Threads& threads = potential_.threads;
         std::fill(d.begin(), d.end(), Vec3{});
         preconditioner_.apply(b, z_, threads);
@@ -123,9 +123,9 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
         report.linear_iterations += iterations;
         report.linear_worst = std::max(report.linear_worst, iterations);
 
-        if (lift) add_scaled(d, 1, held, threads);
+        if (lift) add_scaled(d, 1.0, held, threads);
         const double slope = inner(g, d, threads);
-        add_scaled(x, 1, d, threads);
+        add_scaled(x, 1.0, d, threads);
         potential.gradient(x, g);
         if (steps == NewtonSteps::guarded && !lift) {
             double length = 1;

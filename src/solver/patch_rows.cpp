@@ -33,12 +33,14 @@ PatchRows PatchRows::coarsened(const Coarsening& coarse) const {
     return result;
 }
 
-void PatchRows::add_action(std::span<const Vec3> d, std::span<Vec3> out) const {
+void PatchRows::add_action(const std::vector<Vec3f>& d, std::vector<Vec3f>& out) const {
     for (std::size_t r = 0; r < stiffness_.size(); ++r) {
         Vec3 moved{};
-        for (std::uint32_t k = offset_[r]; k < offset_[r + 1]; ++k) moved += times(coefficient_[k], d[node_[k]]);
+        for (std::uint32_t k = offset_[r]; k < offset_[r + 1]; ++k)
+            moved += times(coefficient_[k], vector_cast<double>(d[node_[k]]));
         const Vec3 force = times(stiffness_[r], moved);
-        for (std::uint32_t k = offset_[r]; k < offset_[r + 1]; ++k) out[node_[k]] += times(coefficient_[k], force);
+        for (std::uint32_t k = offset_[r]; k < offset_[r + 1]; ++k)
+            out[node_[k]] += vector_cast<float>(times(coefficient_[k], force));
     }
 }
 
@@ -63,7 +65,7 @@ BlockJacobi& BlockJacobi::operator=(BlockJacobi&&) noexcept = default;
 
 BlockJacobi::BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patches) {
     // Components without any stiffness, held ones among them, stay where they are.
-    inverse_.reserve(diagonal.size());
+    std::vector<Mat3> inverses;
     for (const Mat3& D : diagonal) {
         Mat3 A = D;
         Vec3 live{1, 1, 1};
@@ -72,7 +74,9 @@ BlockJacobi::BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patche
         Mat3 inverted = inverse(A);
         for (std::size_t d = 0; d < 3; ++d)
             if (live[d] == 0) inverted(d, d) = 0;
-        inverse_.push_back(inverted);
+        inverses.push_back(inverted);
+        Mat3f& rounded = inverse_.emplace_back();
+        for (std::size_t d = 0; d < 3; ++d) rounded.rows[d] = vector_cast<float>(inverted.rows[d]);
     }
     if (patches.empty()) return;
     patches_ = std::make_unique<Patches>();
@@ -86,7 +90,7 @@ BlockJacobi::BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patche
     for (std::uint32_t i : patches.node_)
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b)
-                inner_entries.emplace_back(3 * static_cast<int>(i) + a, 3 * static_cast<int>(i) + b, inverse_[i](a, b));
+                inner_entries.emplace_back(3 * static_cast<int>(i) + a, 3 * static_cast<int>(i) + b, inverses[i](a, b));
     const auto size = 3 * static_cast<int>(diagonal.size());
     Eigen::SparseMatrix<double> C(3 * rows, size), D_inverse(size, size);
     C.setFromTriplets(entries.begin(), entries.end());
@@ -102,14 +106,14 @@ BlockJacobi::BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patche
     patches_->moved.resize(3 * rows);
 }
 
-void BlockJacobi::apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) const {
+void BlockJacobi::apply(const std::vector<Vec3f>& r, std::vector<Vec3f>& z, const Threads& threads) const {
     threads.for_each(r.size(), node_chunk, [&](std::size_t i) { z[i] = inverse_[i] * r[i]; });
     if (!patches_) return;
     const PatchRows& rows = patches_->rows;
     for (std::size_t row = 0; row < rows.stiffness_.size(); ++row) {
         Vec3 moved{};
         for (std::uint32_t k = rows.offset_[row]; k < rows.offset_[row + 1]; ++k)
-            moved += times(rows.coefficient_[k], z[rows.node_[k]]);
+            moved += times(rows.coefficient_[k], vector_cast<double>(z[rows.node_[k]]));
         for (std::size_t d = 0; d < 3; ++d) patches_->moved[static_cast<Eigen::Index>(3 * row + d)] = moved[d];
     }
     const Eigen::VectorXd multiplier = patches_->factor.solve(patches_->moved);
@@ -117,7 +121,7 @@ void BlockJacobi::apply(std::span<const Vec3> r, std::span<Vec3> z, const Thread
         const auto at = static_cast<Eigen::Index>(3 * row);
         const Vec3 force{multiplier[at], multiplier[at + 1], multiplier[at + 2]};
         for (std::uint32_t k = rows.offset_[row]; k < rows.offset_[row + 1]; ++k)
-            z[rows.node_[k]] -= inverse_[rows.node_[k]] * times(rows.coefficient_[k], force);
+            z[rows.node_[k]] -= inverse_[rows.node_[k]] * vector_cast<float>(times(rows.coefficient_[k], force));
     }
 }
 

@@ -20,7 +20,7 @@ public:
     PatchRows coarsened(const Coarsening& coarse) const;
 
     /// out += C^T k C d.
-    void add_action(std::span<const Vec3> d, std::span<Vec3> out) const;
+    void add_action(const std::vector<Vec3f>& d, std::vector<Vec3f>& out) const;
     void add_to(BlockRows& rows) const;
 
 private:
@@ -41,11 +41,11 @@ public:
     BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patches);
 
     /// z = (D + C^T k C)^-1 r.
-    void apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) const;
+    void apply(const std::vector<Vec3f>& r, std::vector<Vec3f>& z, const Threads& threads) const;
 
 private:
     struct Patches;
-    std::vector<Mat3> inverse_;
+    std::vector<Mat3f> inverse_;
     std::unique_ptr<Patches> patches_;
 };
 

@@ -89,7 +89,7 @@ StaticReport find_equilibrium(DynamicBody& b, const Surroundings& around, double
     }
     set_contact_stiffness(b, std::numeric_limits<double>::infinity());
     WarpedPreconditioner& preconditioner = b.prepare_preconditioner(1, 0, threads);
-    IncrementalPotential potential(b, around, threads);
+    IncrementalPotential potential(b, around, Precision::full, threads);
     std::vector<Vec3> x = b.state.x;
     const double carried = b.carried_load;
     for (double done = 0, step = 1; done < 1;) {

@@ -1,6 +1,7 @@
 #include "solver/warped_preconditioner.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/polar.h"
 #include "solver/nodal_vectors.h"
@@ -12,8 +13,9 @@ constexpr double flat = 0.1;  ///< of det F, below which a node's frame is left 
 
 }  // namespace
 
-WarpedPreconditioner::WarpedPreconditioner(const Model& model, const Constraints& constraints, const Threads& threads)
-    : model_(model), multigrid_(model, constraints, threads) {
+WarpedPreconditioner::WarpedPreconditioner(const Model& model, const Constraints& constraints, FastForces* fast,
+                                           const Threads& threads)
+    : model_(model), multigrid_(model, constraints, fast, threads) {
     const Sampling& s = model.sampling;
     std::vector<std::vector<std::uint32_t>> points(model.rest.size());
     for (std::uint32_t q = 0; q < s.point_cell.size(); ++q)
@@ -25,7 +27,6 @@ WarpedPreconditioner::WarpedPreconditioner(const Model& model, const Constraints
         offset_.push_back(static_cast<std::uint32_t>(point_.size()));
     }
     rotation_.assign(model.rest.size(), Mat3::identity());
-    turned_.resize(model.rest.size());
 }
 
 void WarpedPreconditioner::set_weights(double stiffness, double inertia, const Threads& threads) {
@@ -47,13 +48,21 @@ void WarpedPreconditioner::turn(std::span<const Vec3> x, const Threads& threads)
     });
 }
 
-void WarpedPreconditioner::apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads) {
+void WarpedPreconditioner::apply(const std::vector<Vec3>& r, std::vector<Vec3>& z, const Threads& threads) {
     ++applications;
+    // Residuals get small beyond the range of single precision: they are scaled to one.
+    const double size = std::sqrt(inner(r, r, threads));
+    if (!(size > 0) || !std::isfinite(size)) return std::fill(z.begin(), z.end(), Vec3{});
     const std::span<const Vec3> free = multigrid_.free();
-    threads.for_each(r.size(), node_chunk,
-                     [&](std::size_t i) { turned_[i] = transpose(rotation_[i]) * times(free[i], r[i]); });
-    multigrid_.apply(turned_, z, threads);
-    threads.for_each(r.size(), node_chunk, [&](std::size_t i) { z[i] = times(free[i], rotation_[i] * z[i]); });
+    std::vector<Vec3f>& turned = multigrid_.residual();
+    threads.for_each(r.size(), node_chunk, [&](std::size_t i) {
+        turned[i] = vector_cast<float>(transpose(rotation_[i]) * times(free[i], r[i]) / size);
+    });
+    multigrid_.cycle(threads);
+    const std::vector<Vec3f>& result = multigrid_.result();
+    threads.for_each(r.size(), node_chunk, [&](std::size_t i) {
+        z[i] = size * times(free[i], rotation_[i] * vector_cast<double>(result[i]));
+    });
 }
 
 }  // namespace phyxel

@@ -8,13 +8,13 @@ namespace phyxel {
 /// of the current state and needs no matrix of it; unturned it would be useless once a body has bent.
 class WarpedPreconditioner {
 public:
-    WarpedPreconditioner(const Model& model, const Constraints& constraints, const Threads& threads);
+    WarpedPreconditioner(const Model& model, const Constraints& constraints, FastForces* fast, const Threads& threads);
 
     void set_weights(double stiffness, double inertia, const Threads& threads);
     /// Finds the rotations of the nodes at positions x: of the mean deformation gradient of a node's own cells, none
     /// where that is nearly flat or inverted, or where a component of the node is held.
     void turn(std::span<const Vec3> x, const Threads& threads);
-    void apply(std::span<const Vec3> r, std::span<Vec3> z, const Threads& threads);
+    void apply(const std::vector<Vec3>& r, std::vector<Vec3>& z, const Threads& threads);
 
     std::size_t applications = 0;
 
@@ -23,7 +23,6 @@ private:
     RestMultigrid multigrid_;
     std::vector<std::uint32_t> offset_, point_;  ///< [nodes + 1] quadrature points of each node's cells
     std::vector<Mat3> rotation_;                 ///< [nodes]
-    std::vector<Vec3> turned_;
 };
 
 }  // namespace phyxel

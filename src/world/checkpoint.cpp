@@ -101,6 +101,7 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         DynamicBody& body = *p.bodies[i];
         body.state = std::move(states[i]);
         body.history = std::move(histories[i]);
+        body.step_energy.reset();
         body.penalty_energy = file.value<double>(section(i, "penalty_energy"));
         body.carried_load = file.value<double>(section(i, "carried_load"));
         body.frequency.mode() = file.values<Vec3>(section(i, "mode"));

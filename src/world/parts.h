@@ -47,6 +47,8 @@ struct World::Parts {
     const DynamicBody& body(BodyId id) const { return *bodies[index_of(id)]; }
     void warn(const std::string& message, std::size_t count = 1) { warnings[message] += count; }
 
+    /// Remembers the largest energy that is cheaply known: of motion, of heights, and what came and went.
+    void note_energy();
     /// Energies of all bodies. Remembers the largest of them, which `balance_error` is relative to.
     EnergyLedger ledger();
 };

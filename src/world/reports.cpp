@@ -41,6 +41,20 @@ EnergyLedger World::Parts::ledger() {
     return sum;
 }
 
+void World::Parts::note_energy() {
+    double kinetic = 0, fallen = 0, external = 0, lost = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const DynamicBody& b = *bodies[i];
+        kinetic += kinetic_energy(b, threads);
+        fallen -= infos[i].gravity_at_start;
+        fallen -= threads.sum(b.state.x.size(), 1024,
+                              [&](std::size_t n) { return b.model.mass[n] * dot(around.gravity, b.state.x[n]); });
+        external += b.exchanged.external;
+        lost += b.exchanged.damping + b.exchanged.friction + b.exchanged.numerical;
+    }
+    largest_energy = std::max({largest_energy, kinetic, std::abs(fallen), std::abs(external), std::abs(lost)});
+}
+
 EnergyLedger World::energy() const { return parts_->ledger(); }
 
 BodyReport World::report(BodyId id) const {

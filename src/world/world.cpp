@@ -178,7 +178,8 @@ StepReport World::advance(double seconds) {
         p.time += one.advanced;
         if (one.advanced > 0) p.measured_seconds = one.advanced;
         if (one.retries > 0) p.warn("steps that were thrown away and cut into smaller ones", one.retries);
-        p.ledger();
+        if (is_explicit(p.settings.integrator)) p.ledger();
+        else p.note_energy();
         left -= dt;
     }
     for (auto& body : p.bodies) body->surface->update(body->state.x, p.threads);
@@ -207,6 +208,7 @@ void World::set_velocity(BodyId id, const Vec3& velocity) {
     const double before = kinetic_energy(body, p.threads);
     std::fill(body.state.v.begin(), body.state.v.end(), velocity);
     body.history = {};
+    body.step_energy.reset();
     body.exchanged.external += kinetic_energy(body, p.threads) - before;
 }
 
