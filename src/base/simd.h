@@ -7,9 +7,9 @@
 
 namespace phyxel {
 
-/// A vector of three and an unused fourth lane, as it lies in memory.
+/// A vector of three and an unused fourth lane, as it lies in memory; zero only as `Double4{}`.
 struct alignas(32) Double4 {
-    double lane[4] = {};
+    double lane[4];
 };
 
 inline void store(Double4& to, const Vec3& v) { to = {{v.x, v.y, v.z, 0}}; }

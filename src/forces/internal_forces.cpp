@@ -61,7 +61,8 @@ void nodal_forces(const Model& m, const Stencils::Block& block, std::uint32_t q,
         add(f[st.local[k]], -kappa * wr);
     }
     add(f[m.nodal.self[q]], kappa * sum);
-    const Mat3 A = -kappa * T;
+    Columns A;
+    A = -kappa * T;
     scatter_stresses(st, q, q + 1, &A, f);
 }
 
@@ -72,20 +73,32 @@ bool has_filter(const Model& m) { return !m.filter.rows.offset.empty(); }
 struct PointState {
     const Stencils::Block& block;
     std::uint32_t q;
-    const Mat3 &F, &F_rate;
+    Mat3 F, F_rate;
     const Double4 *x, *v;  ///< v: null when not given
 };
 
-/// Calls `batch_done(begin, end, F, F_rate)` for all points of a block, `batch` at a time.
+/// Points of a block, gathered together.
+struct Batch {
+    const Stencils::Block& block;
+    std::uint32_t begin, end;
+    const Columns *F, *F_rate;
+    const Double4 *x, *v;  ///< v: null when not given
+
+    PointState state(std::uint32_t q) const {
+        return {block, q, Mat3(F[q - begin]), v ? Mat3(F_rate[q - begin]) : Mat3{}, x, v};
+    }
+};
+
+/// Calls `batch_done(Batch)` for all points of a block, `batch` at a time.
 template <class BatchDone>
 void for_batches(const Stencils& st, const Stencils::Block& block, const Double4* x, const Double4* v,
                  BatchDone&& batch_done) {
-    Mat3 F[batch], F_rate[batch];
+    Columns F[batch], F_rate[batch];
     for (std::uint32_t begin = block.point_begin; begin < block.point_end; begin += batch) {
         const std::uint32_t end = std::min(begin + batch, block.point_end);
         gather_gradients(st, begin, end, x, F);
         if (v) gather_gradients(st, begin, end, v, F_rate);
-        batch_done(begin, end, F, F_rate);
+        batch_done(Batch{block, begin, end, F, F_rate, x, v});
     }
 }
 
@@ -100,11 +113,11 @@ std::pair<Double4*, Double4*> fill_slots(const Stencils& st, const Stencils::Blo
     return {slot_x, slot_v};
 }
 
-/// Writes the nodal forces of the stresses A = `point(state, slots of f)`, f_i = -sum_q A_q g_qi, and of what `point`
-/// adds to the slots itself: block by block, then the slots of each node in order.
-template <class Point>
-void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
-                    const Threads& threads, std::span<Vec3> f, Point&& point) {
+/// Writes the nodal forces of the stresses A that `stresses(batch, A, slots of f)` fills in, f_i = -sum_q A_q g_qi, and
+/// of what it adds to the slots itself: block by block, then the slots of each node in order.
+template <class Stresses>
+void scatter_batches(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
+                     const Threads& threads, std::span<Vec3> f, Stresses&& stresses) {
     const Stencils& st = m.stencils;
     work.slot_x.resize(st.slot_node.size());
     work.slot_f.resize(st.slot_node.size());
@@ -114,20 +127,26 @@ void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec
         const auto [slot_x, slot_v] = fill_slots(st, block, x, v, work);
         Double4* slot_f = &work.slot_f[block.slot_begin];
         std::fill(slot_f, slot_f + (block.slot_end - block.slot_begin), Double4{});
-        for_batches(
-            st, block, slot_x, slot_v,
-            [&, x_ = slot_x, v_ = slot_v](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
-                Mat3 A[batch];
-                for (std::uint32_t q = begin; q < end; ++q)
-                    A[q - begin] = point(PointState{block, q, F[q - begin], F_rate[q - begin], x_, v_}, slot_f);
-                scatter_stresses(st, begin, end, A, slot_f);
-            });
+        Columns A[batch];
+        for_batches(st, block, slot_x, slot_v, [&](const Batch& points) {
+            stresses(points, A, slot_f);
+            scatter_stresses(st, points.begin, points.end, A, slot_f);
+        });
     });
     threads.for_each(f.size(), node_chunk, [&](std::size_t i) {
         Vec3 sum{};
         for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k)
             sum += load(work.slot_f[st.node_slots[k]]);
         f[i] = sum;
+    });
+}
+
+/// The same for stresses A = `point(state, slots of f)`.
+template <class Point>
+void scatter_points(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, ForceWorkspace& work,
+                    const Threads& threads, std::span<Vec3> f, Point&& point) {
+    scatter_batches(m, x, v, work, threads, f, [&](const Batch& points, Columns* A, Double4* f_slots) {
+        for (std::uint32_t q = points.begin; q < points.end; ++q) A[q - points.begin] = point(points.state(q), f_slots);
     });
 }
 
@@ -140,11 +159,9 @@ double sum_points(const Model& m, std::span<const Vec3> x, ForceWorkspace& work,
         const Stencils::Block& block = st.blocks[b];
         const Double4* slot_x = fill_slots(st, block, x, {}, work).first;
         double sum = 0;
-        for_batches(st, block, slot_x, nullptr,
-                    [&](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
-                        for (std::uint32_t q = begin; q < end; ++q)
-                            sum += term(PointState{block, q, F[q - begin], F_rate[q - begin], slot_x, nullptr});
-                    });
+        for_batches(st, block, slot_x, nullptr, [&](const Batch& points) {
+            for (std::uint32_t q = points.begin; q < points.end; ++q) sum += term(points.state(q));
+        });
         return sum;
     });
 }
@@ -165,15 +182,15 @@ void find_pressures(const Model& m, std::span<const Vec3> x, std::span<const Vec
     threads.for_each(st.blocks.size(), 1, [&](std::size_t b) {
         const Stencils::Block& block = st.blocks[b];
         const auto [slot_x, slot_v] = fill_slots(st, block, x, v, work);
-        for_batches(st, block, slot_x, slot_v,
-                    [&, damped = slot_v](std::uint32_t begin, std::uint32_t end, const Mat3* F, const Mat3* F_rate) {
-                        for (std::uint32_t q = begin; q < end; ++q) {
-                            if (!shares_dilatation(m, q)) continue;
-                            const Law law = m.point_material(q).law;
-                            work.dilatation[q] = dilatation(law, F[q - begin]);
-                            if (damped) work.dilatation_rate[q] = rate(law, F[q - begin], F_rate[q - begin]);
-                        }
-                    });
+        for_batches(st, block, slot_x, slot_v, [&](const Batch& points) {
+            for (std::uint32_t q = points.begin; q < points.end; ++q) {
+                if (!shares_dilatation(m, q)) continue;
+                const PointState p = points.state(q);
+                const Law law = m.point_material(q).law;
+                work.dilatation[q] = dilatation(law, p.F);
+                if (p.v) work.dilatation_rate[q] = rate(law, p.F, p.F_rate);
+            }
+        });
     });
     cell_means_times_lambda(m, work.dilatation, threads, work.pressure);
     if (!v.empty()) cell_means_times_lambda(m, work.dilatation_rate, threads, work.pressure_rate);
@@ -275,7 +292,11 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
         if (has_nodal(m) && m.nodal.kappa[p.q] > 0) nodal_forces(m, p.block, p.q, F, {p.x, p.v, beta}, 1, f_slots);
         return m.volumes[p.q] * P;
     };
-    scatter_points(m, x, v, work, threads, f, point);
+    if (v.empty() && !has_nodal(m) && m.uniform() && m.dilatation.empty())
+        scatter_batches(m, x, v, work, threads, f, [&](const Batch& points, Columns* A, Double4*) {
+            evaluate_stresses(m.material, points.end - points.begin, &m.volumes[points.begin], points.F, A);
+        });
+    else scatter_points(m, x, v, work, threads, f, point);
     if (has_filter(m)) add_filter_forces(m, x, v, beta, -1, work, threads, f);
 
     double power = 0;
