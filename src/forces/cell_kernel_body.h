@@ -70,38 +70,53 @@ struct CellKernelBody {
     }
 
     PHYXEL_INLINE void gather_window(const CellChunk& chunk, const Float4* u, float* window) {
-        for (std::size_t e = 0; e < chunk.entries; ++e)
-            for (std::size_t l = 0; l < lanes; l += 8)
-                gather8(u, chunk.slot + e * lanes + l, window + 3 * e * lanes + l);
+        const std::uint16_t* slot = chunk.slot;
+        const std::uint16_t* end = slot + chunk.entries * lanes;
+        for (; slot != end; slot += lanes, window += 3 * lanes)
+            for (std::size_t l = 0; l < lanes; l += 8) gather8(u, slot + l, window + l);
     }
 
     PHYXEL_INLINE void scatter_window(const CellChunk& chunk, const float* window, Float4* f) {
-        for (std::size_t e = 0; e < chunk.entries; ++e)
-            for (std::size_t l = 0; l < lanes; l += 8)
-                scatter8(window + 3 * e * lanes + l, chunk.slot + e * lanes + l, f);
+        const std::uint16_t* slot = chunk.slot;
+        const std::uint16_t* end = slot + chunk.entries * lanes;
+        for (; slot != end; slot += lanes, window += 3 * lanes)
+            for (std::size_t l = 0; l < lanes; l += 8) scatter8(window + l, slot + l, f);
     }
 
     // --- Pairs ---------------------------------------------------------------------------------------------------
 
+    /// Pairs of one point of a chunk. (By value: the compiler must not think that stores could change them.)
+    struct Pairs {
+        const std::uint16_t *entry, *end;
+        const float* gradient;
+    };
+
     template <bool uniform>
-    PHYXEL_INLINE Float gradient(const float* g, std::size_t pair, std::size_t axis) {
-        if constexpr (uniform) return splat(g[3 * pair + axis]);
-        else return load(g + (3 * pair + axis) * lanes);
+    PHYXEL_INLINE Pairs pairs_of(const CellChunk& chunk, std::size_t point) {
+        const std::size_t begin = chunk.pair_begin[point];
+        return {chunk.entry + begin, chunk.entry + chunk.pair_begin[point + 1],
+                chunk.gradient + 3 * begin * (uniform ? 1 : lanes)};
+    }
+
+    template <bool uniform>
+    PHYXEL_INLINE Float gradient(const float* g, std::size_t axis) {
+        if constexpr (uniform) return splat(g[axis]);
+        else return load(g + axis * lanes);
     }
 
     /// H = sum u (x) g over the pairs of a point.
     template <bool uniform>
-    PHYXEL_INLINE void displacement_gradient(const CellChunk& chunk, std::size_t point, const float* window,
-                                             Matrix& H) {
+    PHYXEL_INLINE void displacement_gradient(const Pairs& pairs, const float* window, Matrix& H) {
         Float h[9] = {};
-        for (std::size_t pair = chunk.pair_begin[point]; pair < chunk.pair_begin[point + 1]; ++pair) {
-            const float* u = window + 3 * lanes * chunk.entry[pair];
+        const float* g = pairs.gradient;
+        for (const std::uint16_t* e = pairs.entry; e != pairs.end; ++e, g += uniform ? 3 : 3 * lanes) {
+            const float* u = window + 3 * lanes * *e;
             const Float x = load(u), y = load(u + lanes), z = load(u + 2 * lanes);
-            const Float gx = gradient<uniform>(chunk.gradient, pair, 0);
+            const Float gx = gradient<uniform>(g, 0);
             h[0] = fma(x, gx, h[0]), h[3] = fma(y, gx, h[3]), h[6] = fma(z, gx, h[6]);
-            const Float gy = gradient<uniform>(chunk.gradient, pair, 1);
+            const Float gy = gradient<uniform>(g, 1);
             h[1] = fma(x, gy, h[1]), h[4] = fma(y, gy, h[4]), h[7] = fma(z, gy, h[7]);
-            const Float gz = gradient<uniform>(chunk.gradient, pair, 2);
+            const Float gz = gradient<uniform>(g, 2);
             h[2] = fma(x, gz, h[2]), h[5] = fma(y, gz, h[5]), h[8] = fma(z, gz, h[8]);
         }
         for (int k = 0; k < 9; ++k) H.m[k] = h[k];
@@ -109,16 +124,17 @@ struct CellKernelBody {
 
     /// f += A g over the pairs of a point.
     template <bool uniform>
-    PHYXEL_INLINE void scatter_stress(const CellChunk& chunk, std::size_t point, const Matrix& A, float* window) {
+    PHYXEL_INLINE void scatter_stress(const Pairs& pairs, const Matrix& A, float* window) {
         const Float a[9] = {A.m[0], A.m[1], A.m[2], A.m[3], A.m[4], A.m[5], A.m[6], A.m[7], A.m[8]};
-        for (std::size_t pair = chunk.pair_begin[point]; pair < chunk.pair_begin[point + 1]; ++pair) {
-            float* f = window + 3 * lanes * chunk.entry[pair];
+        const float* g = pairs.gradient;
+        for (const std::uint16_t* e = pairs.entry; e != pairs.end; ++e, g += uniform ? 3 : 3 * lanes) {
+            float* f = window + 3 * lanes * *e;
             Float x = load(f), y = load(f + lanes), z = load(f + 2 * lanes);
-            const Float gx = gradient<uniform>(chunk.gradient, pair, 0);
+            const Float gx = gradient<uniform>(g, 0);
             x = fma(a[0], gx, x), y = fma(a[3], gx, y), z = fma(a[6], gx, z);
-            const Float gy = gradient<uniform>(chunk.gradient, pair, 1);
+            const Float gy = gradient<uniform>(g, 1);
             x = fma(a[1], gy, x), y = fma(a[4], gy, y), z = fma(a[7], gy, z);
-            const Float gz = gradient<uniform>(chunk.gradient, pair, 2);
+            const Float gz = gradient<uniform>(g, 2);
             x = fma(a[2], gz, x), y = fma(a[5], gz, y), z = fma(a[8], gz, z);
             store(f, x), store(f + lanes, y), store(f + 2 * lanes, z);
         }
@@ -367,7 +383,7 @@ struct CellKernelBody {
         Matrix H[8], A[8];
         gather_window(chunk, u, scratch);
         for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point)) displacement_gradient<uniform>(chunk, point, scratch, H[point]);
+            if (has_point(chunk, point)) displacement_gradient<uniform>(pairs_of<uniform>(chunk, point), scratch, H[point]);
 
         switch (task) {
             case CellTask::energy:
@@ -403,9 +419,9 @@ struct CellKernelBody {
         }
 
         float* force = scratch + 3 * lanes * chunk.entries;
-        for (std::size_t e = 0; e < 3 * chunk.entries; ++e) store(force + e * lanes, Float{});
+        for (float *to = force, *end = force + 3 * lanes * chunk.entries; to != end; to += lanes) store(to, Float{});
         for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point)) scatter_stress<uniform>(chunk, point, A[point], force);
+            if (has_point(chunk, point)) scatter_stress<uniform>(pairs_of<uniform>(chunk, point), A[point], force);
         scatter_window(chunk, force, f);
         return 0;
     }
