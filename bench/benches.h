@@ -22,6 +22,10 @@ int run_table_5_1(const Options& options);
 /// Time from a mesh file to the first step, stage by stage, and peak memory.
 int run_setup(const Options& options);
 
+/// Time of the single-precision forces, energy and stiffness at rest, beside double precision and the core's peak; one
+/// thread unless told otherwise.
+int run_kernel(const Options& options);
+
 using Clock = std::chrono::steady_clock;
 
 inline double seconds_since(Clock::time_point start) {

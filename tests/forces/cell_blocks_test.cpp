@@ -38,7 +38,7 @@ TriangleMesh two_plates(double spacing) {
 const std::vector<Case>& bodies() {
     static const std::vector<Case> all = [] {
         std::vector<Case> cases;
-        cases.push_back({"beam", modelled(make_box({0.1, 0.1, 0.5}), plain_settings(), 0.025)});
+        cases.push_back({"beam", modelled(make_box({0.1, 0.1, 0.8}), plain_settings(), 0.025)});
         cases.push_back({"thick box", modelled(make_box({1.2, 1.2, 1.2}), plain_settings(), 0.1)});
         cases.push_back({"sphere", modelled(make_sphere(0.5), plain_settings(), 0.125)});
         cases.push_back({"bunny", modelled(unit_bunny(), plain_settings(), 0.1)});
