@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "io/csv.h"
 #include "io/glb.h"
 #include "io/surface_file.h"
 #include "io/vtu.h"
@@ -38,7 +37,6 @@ std::vector<Writer> all_writers() {
              [](const Path& path) {
                  write_obj(path, {points, triangles});
              }},
-            {"csv", [](const Path& path) { CsvWriter(path, std::vector<std::string>{"time"}).finish(); }},
             {"glb", [](const Path& path) {
                  const GlbMesh mesh[] = {{"body", triangles}};
                  GlbWriter writer(path, mesh);
