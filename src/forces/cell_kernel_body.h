@@ -383,7 +383,8 @@ struct CellKernelBody {
         Matrix H[8], A[8];
         gather_window(chunk, u, scratch);
         for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point)) displacement_gradient<uniform>(pairs_of<uniform>(chunk, point), scratch, H[point]);
+            if (has_point(chunk, point))
+                displacement_gradient<uniform>(pairs_of<uniform>(chunk, point), scratch, H[point]);
 
         switch (task) {
             case CellTask::energy:
