@@ -186,9 +186,8 @@ struct CellBlocks::BlockBuilder {
     }
 };
 
-CellBlocks::CellBlocks(const Model& model, const Threads& threads, Instructions instructions)
-    : groups_(group_cells(model, threads)),
-      instructions_(instructions),
+CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolerance, Instructions instructions)
+    : groups_(group_cells(model, tolerance, threads)),
       lanes_(cell_lanes(instructions)),
       kernel_(cell_kernel(instructions)),
       length_(model.sampling.spacing) {

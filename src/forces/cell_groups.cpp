@@ -12,10 +12,6 @@ namespace {
 using Index3 = CellGroups::Index3;
 using Place = CellGroups::Place;
 
-/// Gradients times the spacing (up to 0.6) that differ by less count as equal: forces then err by less than 1e-5. What
-/// an end of a prism changes in the gradients fades by a third to a half with every cell, but never ends.
-constexpr double gradient_tolerance = 3e-6;
-
 /// Edge of a group's cell in pitches, and where cells begin. Points at nodes lie on the lattice itself: a quarter of
 /// a pitch beside the faces keeps them from falling to either side by rounding.
 struct CellFrame {
@@ -51,8 +47,12 @@ SortedPoint sorted_point(const Model& m, const CellFrame& frame, std::uint32_t q
 
 class Builder {
 public:
-    Builder(const Model& model, const Threads& threads)
-        : m_(model), st_(model.stencils), frame_(cell_frame(model.sampling)), threads_(threads) {}
+    Builder(const Model& model, double tolerance, const Threads& threads)
+        : m_(model),
+          st_(model.stencils),
+          frame_(cell_frame(model.sampling)),
+          tolerance_(tolerance),
+          threads_(threads) {}
 
     CellGroups run() {
         locate_points();
@@ -184,12 +184,20 @@ private:
         }
     }
 
-    /// What groups of one shape have in common: a hash of their window and points, and a random projection of their
+    /// What groups of one shape have in common: a hash of their window and points, and random projections of their
     /// gradients.
     struct Signature {
         std::uint64_t window = 0;
-        double gradients = 0;
+        std::array<double, 4> gradients{};
         std::uint32_t group = 0;
+
+        /// Largest difference of the projections.
+        double distance(const Signature& other) const {
+            double largest = 0;
+            for (std::size_t k = 0; k < gradients.size(); ++k)
+                largest = std::max(largest, std::abs(gradients[k] - other.gradients[k]));
+            return largest;
+        }
     };
 
     Signature signature(std::uint32_t g, std::span<const Vec3> random, std::vector<Vec3>& spread) const {
@@ -206,8 +214,9 @@ private:
             mix(group.point[octant] != no_index);
             if (group.point[octant] == no_index) continue;
             result_.spread_gradients(m_, group, octant, spread);
-            for (std::size_t e = 0; e < spread.size(); ++e)
-                s.gradients += dot(spread[e], random[(octant * 331 + e) % random.size()]);
+            for (std::size_t k = 0; k < s.gradients.size(); ++k)
+                for (std::size_t e = 0; e < spread.size(); ++e)
+                    s.gradients[k] += dot(spread[e], random[(1021 * k + 331 * octant + e) % random.size()]);
         }
         return s;
     }
@@ -224,7 +233,7 @@ private:
             result_.spread_gradients(m_, a, octant, spread_a);
             result_.spread_gradients(m_, b, octant, spread_b);
             for (std::size_t e = 0; e < spread_a.size(); ++e)
-                if (!(norm(spread_a[e] - spread_b[e]) <= gradient_tolerance)) return false;
+                if (!(norm(spread_a[e] - spread_b[e]) <= tolerance_)) return false;
         }
         return true;
     }
@@ -245,15 +254,18 @@ private:
             return std::tie(a.window, a.gradients, a.group) < std::tie(b.window, b.gradients, b.group);
         });
 
-        // A group takes the shape of one of the few before it whose projection is as good as its own.
+        // A group takes the shape of a leader whose projections are near its own; random signs make a sum of a thousand
+        // differences some twenty times the largest.
+        constexpr std::size_t most_leaders = 256;
+        const double near = 30 * tolerance_;
         std::vector<Signature> leaders;
         std::vector<std::uint32_t> count;
         for (const Signature& s : signatures) {
             std::size_t shape = leaders.size();
-            for (std::size_t back = 1; back <= std::min<std::size_t>(8, leaders.size()); ++back) {
+            for (std::size_t back = 1; back <= std::min(most_leaders, leaders.size()); ++back) {
                 const Signature& leader = leaders[leaders.size() - back];
-                if (leader.window != s.window || s.gradients - leader.gradients > 100 * gradient_tolerance) break;
-                if (!equal_shape(groups[leader.group], groups[s.group])) continue;
+                if (leader.window != s.window || s.gradients[0] - leader.gradients[0] > near) break;
+                if (s.distance(leader) > near || !equal_shape(groups[leader.group], groups[s.group])) continue;
                 shape = leaders.size() - back;
                 break;
             }
@@ -268,6 +280,7 @@ private:
     const Model& m_;
     const Stencils& st_;
     CellFrame frame_;
+    double tolerance_;
     const Threads& threads_;
     CellGroups result_;
 };
@@ -288,6 +301,8 @@ void CellGroups::spread_gradients(const Model& m, const Group& group, std::size_
     }
 }
 
-CellGroups group_cells(const Model& model, const Threads& threads) { return Builder(model, threads).run(); }
+CellGroups group_cells(const Model& model, double tolerance, const Threads& threads) {
+    return Builder(model, tolerance, threads).run();
+}
 
 }  // namespace phyxel

@@ -93,7 +93,7 @@ TEST(CellBlocks, forces_are_those_in_double_precision) {
             if (instructions > best_instructions()) continue;
             for (const auto& [law, material] : all_laws()) {
                 set_material(m, material);
-                const CellBlocks blocks(m, threads, instructions);
+                const CellBlocks blocks(m, threads, close_gradients, instructions);
                 const double error = error_of(blocks, m, turned_stretched_and_shaken(m));
                 EXPECT_LE(error, 1e-5) << name << ", " << law;
                 worst = std::max(worst, error);
@@ -204,6 +204,15 @@ TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
             EXPECT_TRUE(Kd == Kd_again) << name << ", " << count << " threads";
         }
     }
+}
+
+TEST(CellBlocks, a_loose_tolerance_changes_little_and_keeps_linear_fields) {
+    const Model& m = bodies()[0].model;
+    const CellBlocks exact(m, threads), loose(m, threads, 1e-2);
+    EXPECT_GE(loose.counts().uniform_chunks, 2 * exact.counts().uniform_chunks);
+    EXPECT_LE(error_of(loose, m, turned_stretched_and_shaken(m)), 0.02);
+    const auto x = affine(m, some_stretch());
+    EXPECT_NEAR(loose.energy(m, x, threads) / exact.energy(m, x, threads), 1, 1e-5);
 }
 
 TEST(CellBlocks, deep_cells_share_their_gradients) {
