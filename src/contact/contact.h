@@ -50,15 +50,34 @@ public:
     /// obstacles is left out, so that it is never negative).
     void add_action(std::span<const Touch> touches, std::span<const Vec3> d, std::span<Vec3> out) const;
 
-    /// Coulomb friction as the derivative of sum_s mu f_n phi(|u|), u the slip of the sample since `start`, tangential:
-    /// phi' = 1 from |u| = `reach` on, 2 y - y^2 with y = |u|/reach below (Li et al. 2020, Incremental Potential
-    /// Contact, eq. 15). `touches` hold the normals and the normal forces that it works with.
-    void add_smooth_friction(std::span<const Collider> colliders, std::span<const Touch> touches, double reach,
-                             std::span<const Vec3> x, std::span<const Vec3> start, std::span<Vec3> f) const;
-    /// Adds the positive semidefinite part of its second derivative applied to `d`.
-    void add_smooth_friction_action(std::span<const Collider> colliders, std::span<const Touch> touches, double reach,
-                                    std::span<const Vec3> x, std::span<const Vec3> start, std::span<const Vec3> d,
-                                    std::span<Vec3> out) const;
+    /// Where on an obstacle a sample sticks.
+    struct Stick {
+        std::uint32_t sample, collider;
+        Vec3 anchor;  ///< [m]
+    };
+    /// Friction of a touching sample with a normal force that is held for a while.
+    struct Rub {
+        Stick stick;
+        Vec3 normal;
+        double limit;      ///< mu f_n [N]
+        double stiffness;  ///< of the tangential spring, as of the normal one [N/m]
+    };
+    /// The friction of `touches`: samples that stuck before do so at the same place, others where they were at `start`.
+    std::vector<Rub> rubs(std::span<const Collider> colliders, std::span<const Touch> touches,
+                          std::span<const Stick> sticks, std::span<const Vec3> start) const;
+    /// Coulomb friction by tangential springs from the anchors, no stronger than the limits (Cundall and Strack 1979):
+    /// what rests on a slope stays where it is, where a force that only opposes velocity would let it creep.
+    void add_friction_forces(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<Vec3> f) const;
+    /// Adds the derivative of its negative, applied to `d`; symmetric and never negative.
+    void add_friction_action(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<const Vec3> d,
+                             std::span<Vec3> out) const;
+    /// The anchors after a step that ends at `x`, dragged along by those that slid; ascending.
+    std::vector<Stick> sticks(std::span<const Rub> rubs, std::span<const Vec3> x) const;
+
+    /// Adds the stiffness of contact and of friction that sticks, lumped to the nodes, to `blocks` [nodes] [N/m]: for
+    /// preconditioners.
+    void add_lumped(std::span<const Touch> touches, std::span<const Rub> rubs, std::span<const Vec3> x,
+                    std::span<Mat3> blocks) const;
 
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
     double deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;

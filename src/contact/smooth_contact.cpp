@@ -1,55 +1,93 @@
 #include "contact/contact.h"
 
+#include <algorithm>
+#include <tuple>
+
 namespace phyxel {
 namespace {
 
-/// Tangential slip of a sample, and the first derivative of the friction potential over the slip, phi'(|u|)/|u|.
-struct Slip {
-    Vec3 way;
-    double over;
-};
+Vec3 tangential(const Vec3& v, const Vec3& normal) { return v - dot(v, normal) * normal; }
 
-Slip slip_of(const Vec3& moved, const Vec3& normal, double reach) {
-    const Vec3 way = moved - dot(moved, normal) * normal;
-    const double length = norm(way);
-    return {way, length >= reach ? 1 / length : (2 - length / reach) / reach};
+bool comes_before(const ContactSamples::Stick& a, const ContactSamples::Stick& b) {
+    return std::tie(a.sample, a.collider) < std::tie(b.sample, b.collider);
 }
 
 }  // namespace
 
 void ContactSamples::add_action(std::span<const Touch> touches, std::span<const Vec3> d, std::span<Vec3> out) const {
-    for (const Touch& touch : touches)
-        spread(touch.sample,
-               stiffness(touch.sample) * dot(touch.normal, samples_.position(touch.sample, d)) * touch.normal, out);
-}
-
-void ContactSamples::add_smooth_friction(std::span<const Collider> colliders, std::span<const Touch> touches,
-                                         double reach, std::span<const Vec3> x, std::span<const Vec3> start,
-                                         std::span<Vec3> f) const {
     for (const Touch& touch : touches) {
-        const Vec3 moved = samples_.position(touch.sample, x) - samples_.position(touch.sample, start);
-        const Slip slip = slip_of(moved, touch.normal, reach);
-        spread(touch.sample, -colliders[touch.collider].friction() * touch.push * slip.over * slip.way, f);
+        const double push = stiffness(touch.sample) * dot(touch.normal, samples_.position(touch.sample, d));
+        spread(touch.sample, push * touch.normal, out);
     }
 }
 
-void ContactSamples::add_smooth_friction_action(std::span<const Collider> colliders, std::span<const Touch> touches,
-                                                double reach, std::span<const Vec3> x, std::span<const Vec3> start,
-                                                std::span<const Vec3> d, std::span<Vec3> out) const {
+std::vector<ContactSamples::Rub> ContactSamples::rubs(std::span<const Collider> colliders,
+                                                      std::span<const Touch> touches, std::span<const Stick> sticks,
+                                                      std::span<const Vec3> start) const {
+    std::vector<Rub> list;
     for (const Touch& touch : touches) {
-        const Vec3 moved = samples_.position(touch.sample, x) - samples_.position(touch.sample, start);
-        const Slip slip = slip_of(moved, touch.normal, reach);
-        const Vec3 change = samples_.position(touch.sample, d);
-        Vec3 along = change - dot(change, touch.normal) * touch.normal;
-        // Beyond the reach the force only turns with the slip; below it also grows, by 2 (1 - y)/reach along the slip.
-        const double length_squared = norm_squared(slip.way);
-        Vec3 result = slip.over * along;
-        if (length_squared > 0) {
-            const double length = std::sqrt(length_squared);
-            const double grows = length >= reach ? 0 : 2 * (1 - length / reach) / reach;
-            result += (grows - slip.over) * dot(along, slip.way) / length_squared * slip.way;
+        const double limit = colliders[touch.collider].friction() * touch.push;
+        if (!(limit > 0)) continue;
+        Stick stick{touch.sample, touch.collider, {}};
+        const auto old = std::lower_bound(sticks.begin(), sticks.end(), stick, comes_before);
+        const bool known = old != sticks.end() && !comes_before(stick, *old);
+        stick.anchor = known ? old->anchor : samples_.position(touch.sample, start);
+        list.push_back({stick, touch.normal, limit, stiffness(touch.sample)});
+    }
+    return list;
+}
+
+void ContactSamples::add_friction_forces(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<Vec3> f) const {
+    for (const Rub& rub : rubs) {
+        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
+        const double size = norm(slip);
+        const double held = rub.stiffness * size <= rub.limit ? rub.stiffness : rub.limit / size;
+        spread(rub.stick.sample, -held * slip, f);
+    }
+}
+
+void ContactSamples::add_friction_action(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<const Vec3> d,
+                                         std::span<Vec3> out) const {
+    for (const Rub& rub : rubs) {
+        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
+        const Vec3 change = tangential(samples_.position(rub.stick.sample, d), rub.normal);
+        const double size = norm(slip);
+        if (rub.stiffness * size <= rub.limit) {
+            spread(rub.stick.sample, rub.stiffness * change, out);
+        } else {
+            // A force that keeps its size turns with the slip.
+            const Vec3 across = change - dot(change, slip) / (size * size) * slip;
+            spread(rub.stick.sample, rub.limit / size * across, out);
         }
-        spread(touch.sample, colliders[touch.collider].friction() * touch.push * result, out);
+    }
+}
+
+std::vector<ContactSamples::Stick> ContactSamples::sticks(std::span<const Rub> rubs, std::span<const Vec3> x) const {
+    std::vector<Stick> list;
+    for (const Rub& rub : rubs) {
+        Stick stick = rub.stick;
+        const Vec3 place = samples_.position(stick.sample, x);
+        const Vec3 slip = tangential(place - stick.anchor, rub.normal);
+        const double reach = rub.limit / rub.stiffness, size = norm(slip);
+        stick.anchor = place - (size > reach ? reach / size : 1.0) * slip;
+        list.push_back(stick);
+    }
+    std::sort(list.begin(), list.end(), comes_before);
+    return list;
+}
+
+void ContactSamples::add_lumped(std::span<const Touch> touches, std::span<const Rub> rubs, std::span<const Vec3> x,
+                                std::span<Mat3> blocks) const {
+    const auto add = [&](std::uint32_t sample, const Mat3& K) {
+        for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
+            blocks[samples_.node[k]] += std::max(0.0, samples_.phi[k]) * K;
+    };
+    for (const Touch& touch : touches) add(touch.sample, stiffness(touch.sample) * outer(touch.normal, touch.normal));
+    for (const Rub& rub : rubs) {
+        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
+        const double size = norm(slip);
+        const double held = rub.stiffness * size <= rub.limit ? rub.stiffness : 0;
+        add(rub.stick.sample, held * (Mat3::identity() - outer(rub.normal, rub.normal)));
     }
 }
 

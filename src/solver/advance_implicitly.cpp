@@ -17,6 +17,7 @@ struct Before {
     State state;
     History history;
     Exchanged exchanged;
+    std::vector<ContactSamples::Stick> sticks;
     double penalty_energy, carried_load;
 };
 
@@ -26,6 +27,7 @@ void restore(Bodies bodies, const std::vector<Before>& before) {
         bodies[i]->history = before[i].history;
         bodies[i]->step_energy.reset();
         bodies[i]->exchanged = before[i].exchanged;
+        bodies[i]->sticks = before[i].sticks;
         bodies[i]->penalty_energy = before[i].penalty_energy;
         bodies[i]->carried_load = before[i].carried_load;
     }
@@ -76,7 +78,7 @@ StepReport advance_implicitly(Bodies bodies, const Surroundings& around, Integra
     StepReport report;
     std::vector<Before> before;
     for (const auto& b : bodies)
-        before.push_back({b->state, b->history, b->exchanged, b->penalty_energy, b->carried_load});
+        before.push_back({b->state, b->history, b->exchanged, b->sticks, b->penalty_energy, b->carried_load});
     const bool is_static = integrator == Integrator::statics;
     std::string trouble;
     for (int parts = 1; parts <= (is_static ? 1 : most_parts); parts *= 2) {

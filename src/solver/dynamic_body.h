@@ -50,9 +50,10 @@ struct DynamicBody {
 
     // Implicit and static.
     History history;
-    double carried_load = 0;            ///< share of the loads that the state is in equilibrium with
-    double penalty_energy = 0;          ///< [J] of patches held by penalties
-    std::optional<double> step_energy;  ///< [J] kinetic and stored, after an implicit step
+    double carried_load = 0;                    ///< share of the loads that the state is in equilibrium with
+    std::vector<ContactSamples::Stick> sticks;  ///< where samples stick to obstacles
+    double penalty_energy = 0;                  ///< [J] of patches held by penalties
+    std::optional<double> step_energy;          ///< [J] kinetic and stored, after an implicit step
     std::unique_ptr<FastForces> fast_forces;
     std::unique_ptr<WarpedPreconditioner> preconditioner;  ///< made when first needed, for its material and fixes
 
@@ -65,13 +66,13 @@ struct DynamicBody {
 
     // Work arrays [nodes].
     ForceWorkspace work;
-    std::vector<Vec3> force;                              ///< all forces but the constraints' [N]
-    std::vector<Vec3> load_force;                         ///< the loads' part of them [N]
-    std::vector<ContactSamples::Touch> touches;           ///< samples inside of an obstacle
-    std::vector<ContactSamples::Touch> friction_touches;  ///< those whose normal forces smooth friction works with
-    std::vector<Vec3> impulse, friction_impulse;          ///< of the constraints and of friction [N s]
-    std::vector<Vec3> previous;                           ///< velocity before a kick [m/s]
-    double viscous_power = 0;                             ///< [W]
+    std::vector<Vec3> force;                      ///< all forces but the constraints' [N]
+    std::vector<Vec3> load_force;                 ///< the loads' part of them [N]
+    std::vector<ContactSamples::Touch> touches;   ///< samples inside of an obstacle
+    std::vector<ContactSamples::Rub> rubs;        ///< friction of the implicit step that is being taken
+    std::vector<Vec3> impulse, friction_impulse;  ///< of the constraints and of friction [N s]
+    std::vector<Vec3> previous;                   ///< velocity before a kick [m/s]
+    double viscous_power = 0;                     ///< [W]
 };
 
 /// Evaluates the forces at the body's positions and velocities.

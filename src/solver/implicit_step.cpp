@@ -80,7 +80,6 @@ SolveReport implicit_step(DynamicBody& b, const Surroundings& around, ImplicitSc
     });
     potential.velocity_share = d.a0 / dt;
     potential.time = potential.load_time = start + dt;
-    potential.friction_step = dt;
     potential.start = b.state.x;
     WarpedPreconditioner& preconditioner =
         b.prepare_preconditioner(1 + around.stiffness_damping * d.a0 / dt, potential.inertia, threads);
@@ -93,18 +92,20 @@ SolveReport implicit_step(DynamicBody& b, const Surroundings& around, ImplicitSc
         return m.mass[i] * norm_squared(u);
     }));
     const double size = std::max(way, least_way * m.node_length * std::sqrt(m.total_mass));
-    const SolveTolerance bound{0, tolerance * size * std::sqrt(potential.inertia)};
+    const SolveTolerance bound{0, tolerance * size * std::sqrt(potential.inertia), 1e-2};
 
     add_scaled(x, dt, b.state.v, threads);
     b.constraints.place_held(start + dt, x);
     SolveReport report;
-    potential.lag_friction(b.state.x);
+    preconditioner.turn(x, threads);
+    potential.lag_friction(x);
     const bool rubs = b.contact && !around.colliders.empty();
     for (int pass = 0; pass < (rubs ? friction_passes : 1); ++pass) {
         if (pass > 0) {
             potential.lag_friction(x);
-            if (b.friction_touches.empty()) break;
+            if (b.rubs.empty()) break;
         }
+        preconditioner.set_supports(potential.supports(x), threads);
         report.add(solve(potential, preconditioner, x, bound));
         if (!report.converged) return report;
     }
@@ -129,6 +130,7 @@ SolveReport implicit_step(DynamicBody& b, const Surroundings& around, ImplicitSc
     b.exchanged.numerical +=
         work_of([&](std::size_t i) { return inertial[i] - forces.conservative[i]; }) + grips.patches;
 
+    if (b.contact) b.sticks = b.contact->sticks(b.rubs, x);
     b.history = {std::move(b.state.x), std::move(b.state.v), dt};
     b.state = {std::move(x), std::move(v)};
     b.penalty_energy = b.constraints.penalty_energy(start + dt, b.state.x);

@@ -8,7 +8,6 @@
 namespace phyxel {
 namespace {
 
-constexpr double slip_speed = 1e-3;   ///< [m/s] below which friction is smoothed
 constexpr double contact_share = 10;  ///< stiffness of contact over 1 / (tau^2 w)
 
 }  // namespace
@@ -25,10 +24,21 @@ IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& s
 }
 
 void IncrementalPotential::lag_friction(std::span<const Vec3> x) {
-    body.friction_touches.clear();
-    if (!body.contact || around.colliders.empty() || friction_step <= 0) return;
+    body.rubs.clear();
+    if (!body.contact || around.colliders.empty()) return;
     std::vector<Vec3> ignored(free_.size());
-    body.friction_touches = body.contact->add_forces(around.colliders, x, threads, ignored);
+    body.touches = body.contact->add_forces(around.colliders, x, threads, ignored);
+    body.rubs = body.contact->rubs(around.colliders, body.touches, body.sticks, start);
+}
+
+std::vector<Mat3> IncrementalPotential::supports(std::span<const Vec3> x) {
+    if (!body.contact || around.colliders.empty()) return {};
+    std::vector<Vec3> ignored(free_.size());
+    body.touches = body.contact->add_forces(around.colliders, x, threads, ignored);
+    if (body.touches.empty()) return {};
+    std::vector<Mat3> blocks(free_.size());
+    body.contact->add_lumped(body.touches, body.rubs, x, blocks);
+    return blocks;
 }
 
 void IncrementalPotential::find_velocity(std::span<const Vec3> x) {
@@ -40,8 +50,7 @@ void IncrementalPotential::add_contact(std::span<const Vec3> x, std::span<Vec3> 
     body.touches.clear();
     if (!body.contact || around.colliders.empty()) return;
     body.touches = body.contact->add_forces(around.colliders, x, threads, f);
-    body.contact->add_smooth_friction(around.colliders, body.friction_touches, slip_speed * friction_step, x, start,
-                                      friction);
+    body.contact->add_friction_forces(body.rubs, x, friction);
 }
 
 void IncrementalPotential::gradient(std::span<const Vec3> x, std::span<Vec3> g) {
@@ -95,9 +104,7 @@ void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3>
                      [&](std::size_t i) { out[i] = stiffness * out[i] + inertia * m.mass[i] * d[i]; });
     body.constraints.add_penalty_action(d, out);
     if (!body.touches.empty()) body.contact->add_action(body.touches, d, out);
-    if (!body.friction_touches.empty())
-        body.contact->add_smooth_friction_action(around.colliders, body.friction_touches, slip_speed * friction_step, x,
-                                                 start, d, out);
+    if (!body.rubs.empty()) body.contact->add_friction_action(body.rubs, x, d, out);
     threads.for_each(out.size(), node_chunk, [&](std::size_t i) { out[i] = times(free_[i], out[i]); });
 }
 

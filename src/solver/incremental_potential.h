@@ -26,11 +26,13 @@ public:
     double time = 0;                    ///< at the end of the step: where grips are
     double load_time = 0;               ///< how far loads are ramped up
     double load_share = 1;              ///< of gravity and loads, for load steps
-    double friction_step = 0;           ///< [s] time over which samples slip; 0: no friction
-    std::vector<Vec3> start;            ///< [nodes] x at the beginning of the step, which slip counts from
+    std::vector<Vec3> start;            ///< [nodes] x at the beginning of the step, which new slip counts from
 
-    /// Normal forces that friction works with until the next call.
+    /// Takes the normal forces at x for friction to work with until the next call; statics have none.
     void lag_friction(std::span<const Vec3> x);
+
+    /// Stiffness of contact and sticking friction at x, lumped to the nodes [N/m]; empty without any.
+    std::vector<Mat3> supports(std::span<const Vec3> x);
 
     /// Writes the derivative by x; held components are 0.
     void gradient(std::span<const Vec3> x, std::span<Vec3> g);

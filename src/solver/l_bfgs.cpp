@@ -24,7 +24,6 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
     SolveReport report;
     std::deque<Pair> pairs;
     std::vector<Vec3> g(n), d(n), q(n), before(n);
-    preconditioner.turn(x, threads);
     potential.gradient(x, g);
     int shortened = 0;
     for (int k = 0; k < most; ++k) {

@@ -10,7 +10,7 @@
 namespace phyxel {
 namespace {
 
-constexpr std::size_t dense_nodes = 233;  ///< below 700 unknowns a Cholesky factor is cheaper than another level
+constexpr std::size_t dense_nodes = 120;  ///< below which a Cholesky factor is cheaper than another level
 constexpr int power_iterations = 20;
 
 /// Degree of the smoothing polynomial and the share of the spectrum, from the top down, that it works on.
@@ -28,6 +28,14 @@ Mat3 masked(const Mat3& A, const Vec3& free) {
     Mat3 result;
     for (std::size_t r = 0; r < 3; ++r) result.rows[r] = free[r] * times(free, A.rows[r]);
     return result;
+}
+
+Mat3f rounded_to_float(const Mat3& A) {
+    return {{vector_cast<float>(A.rows[0]), vector_cast<float>(A.rows[1]), vector_cast<float>(A.rows[2])}};
+}
+
+Mat3 widened(const Mat3f& A) {
+    return {{vector_cast<double>(A.rows[0]), vector_cast<double>(A.rows[1]), vector_cast<double>(A.rows[2])}};
 }
 
 Mat3f diagonal_float(const Vec3& d) { return Mat3f::diagonal(vector_cast<float>(d)); }
@@ -64,7 +72,8 @@ struct RestMultigrid::Level {
     Coarsening coarsening;   ///< to the next level
     BlockMatrix stiffness;   ///< K; empty on level 0
     std::vector<Vec3> mass;  ///< [blocks of K]; on level 0 [nodes]
-    BlockMatrix sum;         ///< s K + c M; empty on level 0
+    BlockMatrix support;     ///< stiffness of the nodes' own; no rows: none
+    BlockMatrix sum;         ///< s K + c M + support; empty on level 0
     PatchRows patches;
     BlockJacobi jacobi;
     double largest = 1;             ///< eigenvalue of the smoothed operator
@@ -133,47 +142,88 @@ void RestMultigrid::set_weights(double stiffness, double inertia, const Threads&
     if (stiffness == stiffness_ && inertia == inertia_) return;
     stiffness_ = stiffness, inertia_ = inertia;
     for (std::size_t l = 0; l < levels_.size(); ++l) {
-        Level& level = levels_[l];
-        std::vector<Mat3> diagonal(level.nodes);
-        if (l == 0) {
-            for (std::size_t i = 0; i < level.nodes; ++i)
-                diagonal[i] = stiffness * masked(diagonal_[i], free_[i]) + Mat3::diagonal(inertia * level.mass[i]);
-        } else {
-            level.sum = level.stiffness;
-            for (std::size_t k = 0; k < level.sum.value.size(); ++k)
-                level.sum.value[k] =
-                    static_cast<float>(stiffness) * level.stiffness.value[k] + diagonal_float(inertia * level.mass[k]);
-            for (std::size_t i = 0; i < level.nodes; ++i)
-                for (std::size_t k = level.sum.offset[i]; k < level.sum.offset[i + 1]; ++k)
-                    if (level.sum.column[k] == i)
-                        for (std::size_t r = 0; r < 3; ++r)
-                            diagonal[i].rows[r] = vector_cast<double>(level.sum.value[k].rows[r]);
-        }
-        if (l + 1 < levels_.size()) {
-            level.jacobi = BlockJacobi(diagonal, level.patches);
-            level.largest = 1.05 * largest_eigenvalue(l, threads);
-            continue;
-        }
-        // The coarsest level: dense, shifted so that fields which no node sees do not stop the factor.
-        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * Eigen::Index(level.nodes), 3 * Eigen::Index(level.nodes));
-        const auto add_blocks = [&A](const BlockMatrix& blocks) {
-            for (std::size_t i = 0; i < blocks.rows(); ++i)
-                for (std::size_t k = blocks.offset[i]; k < blocks.offset[i + 1]; ++k)
-                    for (std::size_t a = 0; a < 3; ++a)
-                        for (std::size_t b = 0; b < 3; ++b)
-                            A(Eigen::Index(3 * i + a), Eigen::Index(3 * blocks.column[k] + b)) +=
-                                static_cast<double>(blocks.value[k](a, b));
-        };
-        add_blocks(level.sum);
-        BlockRows penalties(level.nodes);
-        level.patches.add_to(penalties);
-        add_blocks(penalties.compressed());
-        A = (0.5 * (A + A.transpose())).eval();
-        const double shift = std::max(1e-7 * A.diagonal().maxCoeff(), 1e-300);
-        A.diagonal().array() += shift;
-        factor_->llt.compute(A);
-        factor_->b.resize(A.rows());
+        assemble(l);
+        // Supports stand in the diagonal too and do not raise it.
+        if (l + 1 < levels_.size()) levels_[l].largest = 1.05 * largest_eigenvalue(l, threads);
     }
+}
+
+void RestMultigrid::set_supports(std::vector<Mat3> blocks) {
+    if (blocks.empty() && levels_.front().support.rows() == 0) return;
+    BlockMatrix support;
+    for (std::uint32_t i = 0; i < blocks.size(); ++i) {
+        if (!(blocks[i] == Mat3{})) {
+            support.column.push_back(i);
+            support.value.push_back(rounded_to_float(masked(blocks[i], free_[i])));
+        }
+        support.offset.push_back(support.column.size());
+    }
+    for (std::size_t l = 0; l < levels_.size(); ++l) {
+        levels_[l].support = std::move(support);
+        assemble(l);
+        support = {};
+        if (l + 1 < levels_.size() && levels_[l].support.rows() > 0)
+            support = galerkin_product(levels_[l].support, levels_[l].coarsening).compressed();
+    }
+}
+
+void RestMultigrid::assemble(std::size_t l) {
+    Level& level = levels_[l];
+    std::vector<Mat3> diagonal(level.nodes);
+    if (l == 0) {
+        for (std::size_t i = 0; i < level.nodes; ++i)
+            diagonal[i] = stiffness_ * masked(diagonal_[i], free_[i]) + Mat3::diagonal(inertia_ * level.mass[i]);
+        for (std::size_t i = 0; i < level.support.rows(); ++i)
+            for (std::size_t k = level.support.offset[i]; k < level.support.offset[i + 1]; ++k)
+                diagonal[i] += widened(level.support.value[k]);
+    } else {
+        BlockMatrix& sum = level.sum;
+        sum = level.stiffness;
+        for (std::size_t k = 0; k < sum.value.size(); ++k)
+            sum.value[k] =
+                static_cast<float>(stiffness_) * level.stiffness.value[k] + diagonal_float(inertia_ * level.mass[k]);
+        for (std::size_t i = 0; i < level.nodes; ++i) {
+            // Supports couple no nodes that the body's stiffness does not.
+            const std::size_t begin = sum.offset[i], end = sum.offset[i + 1];
+            const auto place = [&](std::uint32_t column) {
+                const auto first = sum.column.begin();
+                return static_cast<std::size_t>(std::lower_bound(first + static_cast<std::ptrdiff_t>(begin),
+                                                                 first + static_cast<std::ptrdiff_t>(end), column) -
+                                                first);
+            };
+            if (level.support.rows() > 0)
+                for (std::size_t k = level.support.offset[i]; k < level.support.offset[i + 1]; ++k) {
+                    const std::size_t at = place(level.support.column[k]);
+                    if (at < end && sum.column[at] == level.support.column[k]) sum.value[at] += level.support.value[k];
+                }
+            const std::size_t at = place(static_cast<std::uint32_t>(i));
+            if (at < end && sum.column[at] == i) diagonal[i] = widened(sum.value[at]);
+        }
+    }
+    if (l + 1 < levels_.size()) level.jacobi = BlockJacobi(diagonal, level.patches);
+    else factorize();
+}
+
+/// The coarsest level: dense, shifted so that fields which no node sees do not stop the factor.
+void RestMultigrid::factorize() {
+    const Level& level = levels_.back();
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * Eigen::Index(level.nodes), 3 * Eigen::Index(level.nodes));
+    const auto add_blocks = [&A](const BlockMatrix& blocks) {
+        for (std::size_t i = 0; i < blocks.rows(); ++i)
+            for (std::size_t k = blocks.offset[i]; k < blocks.offset[i + 1]; ++k)
+                for (std::size_t a = 0; a < 3; ++a)
+                    for (std::size_t b = 0; b < 3; ++b)
+                        A(Eigen::Index(3 * i + a), Eigen::Index(3 * blocks.column[k] + b)) +=
+                            static_cast<double>(blocks.value[k](a, b));
+    };
+    add_blocks(level.sum);
+    BlockRows penalties(level.nodes);
+    level.patches.add_to(penalties);
+    add_blocks(penalties.compressed());
+    A = (0.5 * (A + A.transpose())).eval();
+    A.diagonal().array() += std::max(1e-7 * A.diagonal().maxCoeff(), 1e-300);
+    factor_->llt.compute(A);
+    factor_->b.resize(A.rows());
 }
 
 double RestMultigrid::largest_eigenvalue(std::size_t l, const Threads& threads) {
@@ -212,6 +262,9 @@ void RestMultigrid::multiply(std::size_t l, const std::vector<Vec3f>& d, std::ve
         threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
             const Vec3f free = vector_cast<float>(free_[i]), mass = vector_cast<float>(inertia_ * level.mass[i]);
             out[i] = times(free, s * out[i]) + times(mass, d[i]);
+            if (level.support.rows() > 0)
+                for (std::size_t k = level.support.offset[i]; k < level.support.offset[i + 1]; ++k)
+                    out[i] += level.support.value[k] * d[i];
         });
     } else {
         level.sum.multiply(d, out, threads);

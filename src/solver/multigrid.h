@@ -27,6 +27,9 @@ public:
     /// Sets s and c [1/s^2]; the operators are put together anew when they changed.
     void set_weights(double stiffness, double inertia, const Threads& threads);
 
+    /// Adds `blocks` [nodes], symmetric and semidefinite, to the diagonal of A; empty: none.
+    void set_supports(std::vector<Mat3> blocks);
+
     /// The residual r to be filled in, and the result z = V r after `cycle`, both [nodes].
     std::vector<Vec3f>& residual();
     const std::vector<Vec3f>& result() const;
@@ -38,6 +41,8 @@ private:
     struct Level;
     struct CoarseFactor;
 
+    void assemble(std::size_t level);
+    void factorize();
     void multiply(std::size_t level, const std::vector<Vec3f>& d, std::vector<Vec3f>& out, const Threads& threads);
     void smooth(std::size_t level, bool from_zero, const Threads& threads);
     void cycle(std::size_t level, const Threads& threads);

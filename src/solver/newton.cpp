@@ -9,8 +9,7 @@ namespace phyxel {
 namespace {
 
 constexpr std::size_t most_linear = 2000;
-constexpr double linear_tolerance = 1e-5;  ///< of the error in the norm of the tangent: keeps Newton's order
-constexpr double grown_too_much = 1000;    ///< residual over the first one
+constexpr double grown_too_much = 1000;  ///< residual over the first one
 constexpr int most_shortenings = 10;
 
 /// Conjugate gradients for K d = b at x, preconditioned. Negative curvature ends them with what there is.
@@ -20,13 +19,13 @@ public:
         : potential_(potential), preconditioner_(preconditioner), z_(potential.size()), p_(z_), product_(z_) {}
 
     /// Writes the solution into `d`; `b` becomes the residual. Returns the number of iterations.
-    std::size_t solve(std::span<const Vec3> x, std::vector<Vec3>& b, std::vector<Vec3>& d) {
+    std::size_t solve(std::span<const Vec3> x, double tolerance, std::vector<Vec3>& b, std::vector<Vec3>& d) {
         const Threads& threads = potential_.threads;
         std::fill(d.begin(), d.end(), Vec3{});
         preconditioner_.apply(b, z_, threads);
         std::copy(z_.begin(), z_.end(), p_.begin());
         double rz = inner(b, z_, threads);
-        const double enough = linear_tolerance * linear_tolerance * rz;
+        const double enough = tolerance * tolerance * rz;
         for (std::size_t k = 0; k < most_linear; ++k) {
             if (!(rz > enough)) return k;
             potential_.action(x, p_, product_);
@@ -111,6 +110,7 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
 
         // K d = -g - K h over the free components.
         preconditioner.turn(x, threads);
+        preconditioner.set_supports(potential.supports(x), threads);
         if (lift) {
             potential.action(x, held, b);
             threads.for_each(n, node_chunk, [&](std::size_t i) { b[i] = -g[i] - b[i]; });
@@ -118,7 +118,7 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
         } else {
             threads.for_each(n, node_chunk, [&](std::size_t i) { b[i] = -g[i]; });
         }
-        const std::size_t iterations = linear.solve(x, b, d);
+        const std::size_t iterations = linear.solve(x, tolerance.linear, b, d);
         ++report.newton_iterations;
         report.linear_iterations += iterations;
         report.linear_worst = std::max(report.linear_worst, iterations);

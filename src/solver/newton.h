@@ -21,8 +21,9 @@ struct SolveReport {
 
 /// When a solve is done: either bound suffices.
 struct SolveTolerance {
-    double force = 0;   ///< |g| [N]
-    double energy = 0;  ///< sqrt(g . V g) [J^(1/2)], V the preconditioner: a distance to the solution
+    double force = 0;      ///< |g| [N]
+    double energy = 0;     ///< sqrt(g . V g) [J^(1/2)], V the preconditioner: a distance to the solution
+    double linear = 1e-5;  ///< share of the linear systems' error, in the norm of the tangent, that may be left
 };
 
 enum class NewtonSteps {
@@ -39,7 +40,8 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
 
 /// L-BFGS (Nocedal and Wright, algorithm 7.4) with the preconditioner as first inverse Hessian and five pairs, kept
 /// within the solve: one gradient and one preconditioner application an iteration. Full steps, shortened by the secant
-/// rule where they overshoot. Gives up after `most` iterations or two shortened steps in a row.
+/// rule where they overshoot. The preconditioner stays as it was turned. Gives up after `most` iterations or two
+/// shortened steps in a row.
 SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
                    const SolveTolerance& tolerance, int most);
 

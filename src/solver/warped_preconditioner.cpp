@@ -33,6 +33,13 @@ void WarpedPreconditioner::set_weights(double stiffness, double inertia, const T
     multigrid_.set_weights(stiffness, inertia, threads);
 }
 
+void WarpedPreconditioner::set_supports(std::vector<Mat3> blocks, const Threads& threads) {
+    threads.for_each(blocks.size(), 64, [&](std::size_t i) {
+        if (!(blocks[i] == Mat3{})) blocks[i] = transpose(rotation_[i]) * blocks[i] * rotation_[i];
+    });
+    multigrid_.set_supports(std::move(blocks));
+}
+
 void WarpedPreconditioner::turn(std::span<const Vec3> x, const Threads& threads) {
     const std::vector<Mat3> F = deformation_gradients(model_, x, threads);
     threads.for_each(rotation_.size(), 64, [&](std::size_t i) {

@@ -11,6 +11,9 @@ public:
     WarpedPreconditioner(const Model& model, const Constraints& constraints, FastForces* fast, const Threads& threads);
 
     void set_weights(double stiffness, double inertia, const Threads& threads);
+    /// Adds stiffness of the nodes' own, of contact say, until the next call: `blocks` [nodes], empty for none, in the
+    /// frame of the world; after `turn`.
+    void set_supports(std::vector<Mat3> blocks, const Threads& threads);
     /// Finds the rotations of the nodes at positions x: of the mean deformation gradient of a node's own cells, none
     /// where that is nearly flat or inverted, or where a component of the node is held.
     void turn(std::span<const Vec3> x, const Threads& threads);

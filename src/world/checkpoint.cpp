@@ -62,6 +62,8 @@ void World::save_checkpoint(const std::filesystem::path& path) const {
         file.add_value(section(i, "exchanged"), body.exchanged);
         file.add_value(section(i, "penalty_energy"), body.penalty_energy);
         file.add_value(section(i, "carried_load"), body.carried_load);
+        file.add_value(section(i, "sticks.count"), std::uint64_t{body.sticks.size()});
+        file.add_values(section(i, "sticks"), std::span<const ContactSamples::Stick>(body.sticks));
         file.add_value(section(i, "history.dt"), body.history.dt);
         file.add_values(section(i, "history.x"), std::span<const Vec3>(body.history.x));
         file.add_values(section(i, "history.v"), std::span<const Vec3>(body.history.v));
@@ -83,12 +85,15 @@ void World::load_checkpoint(const std::filesystem::path& path) {
     // All is read before anything changes.
     std::vector<State> states;
     std::vector<History> histories;
+    std::vector<std::vector<ContactSamples::Stick>> sticks;
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
         (void)file.values<Vec3>(section(i, "mode"), n);
         for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load"})
             (void)file.value<double>(section(i, what));
+        sticks.push_back(file.values<ContactSamples::Stick>(section(i, "sticks"),
+                                                            file.value<std::uint64_t>(section(i, "sticks.count"))));
         const double last_step = file.value<double>(section(i, "history.dt"));
         const std::size_t kept = last_step > 0 ? n : 0;
         histories.push_back({file.values<Vec3>(section(i, "history.x"), kept),
@@ -102,6 +107,7 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         body.state = std::move(states[i]);
         body.history = std::move(histories[i]);
         body.step_energy.reset();
+        body.sticks = std::move(sticks[i]);
         body.penalty_energy = file.value<double>(section(i, "penalty_energy"));
         body.carried_load = file.value<double>(section(i, "carried_load"));
         body.frequency.mode() = file.values<Vec3>(section(i, "mode"));
