@@ -17,175 +17,6 @@ int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell)
 
 }  // namespace
 
-/// Deals the groups of one block to lanes and lays out what the kernel reads.
-struct CellBlocks::BlockBuilder {
-    CellBlocks& whole;
-    const Model& m;
-    std::span<const std::uint32_t> members;  ///< groups, those of one law and shape after each other
-    Block& block;
-    std::vector<std::uint32_t>& slot_node;  ///< of this block alone
-
-    /// Chunks of groups: `uniform` ones first.
-    struct Lanes {
-        std::vector<std::uint32_t> groups;
-        bool uniform;
-    };
-    std::vector<Lanes> chunks;
-    bool complete = true;  ///< no dilatation cell is cut
-
-    const CellGroups::Group& group(std::uint32_t g) const { return whole.groups_.groups[g]; }
-
-    void deal() {
-        const std::size_t lanes = whole.lanes_;
-        std::vector<std::uint32_t> rest;
-        for (std::size_t begin = 0, end; begin < members.size(); begin = end) {
-            end = begin + 1;
-            while (end < members.size() && group(members[end]).shape == group(members[begin]).shape) ++end;
-            for (; end - begin >= lanes - lanes / 4; begin += std::min(lanes, end - begin)) {
-                const auto first = members.begin() + static_cast<std::ptrdiff_t>(begin);
-                chunks.push_back({{first, first + static_cast<std::ptrdiff_t>(std::min(lanes, end - begin))}, true});
-            }
-            rest.insert(rest.end(), members.begin() + static_cast<std::ptrdiff_t>(begin),
-                        members.begin() + static_cast<std::ptrdiff_t>(end));
-        }
-        // Windows of one size lie together, so that few lanes wait for entries that others have; parts of one
-        // dilatation cell in one chunk.
-        std::stable_sort(rest.begin(), rest.end(), [&](std::uint32_t a, std::uint32_t b) {
-            const auto key = [&](std::uint32_t g) {
-                const CellGroups::Group& of = group(g);
-                return std::tuple(of.kind(), of.joined ? of.dilatation_cell : 0, whole.groups_.window_size(of),
-                                  of.cell);
-            };
-            return key(a) < key(b);
-        });
-        for (std::size_t begin = 0, end; begin < rest.size(); begin = end) {
-            const CellGroups::Group& first = group(rest[begin]);
-            end = begin + 1;
-            while (first.joined && end < rest.size() && group(rest[end]).dilatation_cell == first.dilatation_cell)
-                ++end;
-            const bool fits = !chunks.empty() && !chunks.back().uniform &&
-                              group(chunks.back().groups[0]).kind() == first.kind() &&
-                              chunks.back().groups.size() + (end - begin) <= lanes;
-            if (!fits) chunks.push_back({{}, false});
-            for (std::size_t i = begin; i < end; ++i) {
-                if (chunks.back().groups.size() == lanes) chunks.push_back({{}, false}), complete = false;
-                chunks.back().groups.push_back(rest[i]);
-            }
-        }
-    }
-
-    void collect_slots() {
-        for (std::uint32_t g : members)
-            slot_node.insert(slot_node.end(), whole.groups_.node.begin() + group(g).window_begin,
-                             whole.groups_.node.begin() + group(g).window_end);
-        std::sort(slot_node.begin(), slot_node.end());
-        slot_node.erase(std::unique(slot_node.begin(), slot_node.end()), slot_node.end());
-        slot_node.insert(slot_node.begin(), no_index);
-    }
-
-    std::uint16_t slot_of(std::uint32_t node) const {
-        return static_cast<std::uint16_t>(std::lower_bound(slot_node.begin() + 1, slot_node.end(), node) -
-                                          slot_node.begin());
-    }
-
-    /// The places of all windows of a chunk, each once.
-    std::vector<CellGroups::Place> joint_window(const Lanes& chunk) const {
-        std::vector<CellGroups::Place> window;
-        for (std::uint32_t g : chunk.groups)
-            window.insert(window.end(), whole.groups_.place.begin() + group(g).window_begin,
-                          whole.groups_.place.begin() + group(g).window_end);
-        std::sort(window.begin(), window.end());
-        window.erase(std::unique(window.begin(), window.end()), window.end());
-        return window;
-    }
-
-    /// Slots of a window, and the entry of each of the group's own in the joint window.
-    std::vector<std::uint32_t> add_window(const Lanes& chunk, std::size_t lane,
-                                          const std::vector<CellGroups::Place>& window, std::size_t slot_begin) {
-        const CellGroups::Group& g = group(chunk.groups[lane]);
-        std::vector<std::uint32_t> entry_of;
-        std::size_t e = 0;
-        for (std::uint32_t own = g.window_begin; own < g.window_end; ++own) {
-            while (window[e] != whole.groups_.place[own]) ++e;
-            entry_of.push_back(static_cast<std::uint32_t>(e));
-            block.slot[slot_begin + e * whole.lanes_ + lane] = slot_of(whole.groups_.node[own]);
-        }
-        return entry_of;
-    }
-
-    /// Appends the pairs of a chunk, point by point: entries that any lane sees, with the gradients of `lanes` lanes.
-    static void add_pairs(const std::vector<Vec3f>& dense, std::size_t entries, std::size_t lanes,
-                          std::vector<std::uint16_t>& entry, std::vector<float>& gradient,
-                          std::array<std::uint32_t, 9>& pair_begin, std::size_t first_pair) {
-        for (std::size_t point = 0; point < 8; ++point) {
-            pair_begin[point] = static_cast<std::uint32_t>(entry.size() - first_pair);
-            for (std::size_t e = 0; e < entries; ++e) {
-                const Vec3f* g = &dense[(point * entries + e) * lanes];
-                if (std::all_of(g, g + lanes, [](const Vec3f& v) { return v == Vec3f{}; })) continue;
-                entry.push_back(static_cast<std::uint16_t>(e));
-                for (std::size_t c = 0; c < 3; ++c)
-                    for (std::size_t lane = 0; lane < lanes; ++lane) gradient.push_back(g[lane][c]);
-            }
-        }
-        pair_begin[8] = static_cast<std::uint32_t>(entry.size() - first_pair);
-    }
-
-    void add_gradients(std::uint32_t g, const std::vector<std::uint32_t>& entry_of, std::size_t entries,
-                       std::size_t lanes, std::size_t lane, std::vector<Vec3f>& dense) const {
-        std::vector<Vec3> spread(entry_of.size());
-        for (std::size_t octant = 0; octant < 8; ++octant) {
-            if (group(g).point[octant] == no_index) continue;
-            whole.groups_.spread_gradients(m, group(g), octant, spread);
-            for (std::size_t e = 0; e < spread.size(); ++e)
-                dense[(octant * entries + entry_of[e]) * lanes + lane] = vector_cast<float>(spread[e]);
-        }
-    }
-
-    void run() {
-        deal();
-        collect_slots();
-        const std::size_t lanes = whole.lanes_;
-        struct Begin {
-            std::size_t slot, entry, gradient;
-        };
-        std::vector<Begin> begins;
-        block.lane_group.assign(chunks.size() * lanes, no_index);
-        for (std::size_t c = 0; c < chunks.size(); ++c) {
-            const Lanes& chunk = chunks[c];
-            CellChunk packed{};
-            packed.uniform = chunk.uniform;
-            packed.law = group(chunk.groups[0]).law;
-            const std::vector<CellGroups::Place> window = joint_window(chunk);
-            packed.entries = static_cast<std::uint32_t>(window.size());
-            begins.push_back({block.slot.size(), block.entry.size(), block.gradient.size()});
-            block.slot.resize(block.slot.size() + window.size() * lanes, 0);
-            std::vector<Vec3f> dense(chunk.uniform ? 0 : 8 * window.size() * lanes);
-            for (std::size_t lane = 0; lane < chunk.groups.size(); ++lane) {
-                block.lane_group[c * lanes + lane] = chunk.groups[lane];
-                const auto entry_of = add_window(chunk, lane, window, begins[c].slot);
-                if (!chunk.uniform) add_gradients(chunk.groups[lane], entry_of, window.size(), lanes, lane, dense);
-            }
-            if (!chunk.uniform)
-                add_pairs(dense, window.size(), lanes, block.entry, block.gradient, packed.pair_begin, begins[c].entry);
-            if (packed.law != Law::linear) block.moves = true;
-            block.chunks.push_back(packed);
-        }
-        for (std::size_t c = 0; c < chunks.size(); ++c) {
-            CellChunk& chunk = block.chunks[c];
-            chunk.slot = block.slot.data() + begins[c].slot;
-            if (chunk.uniform) {
-                const Shape& shape = whole.shapes_[group(chunks[c].groups[0]).shape];
-                chunk.pair_begin = shape.pair_begin;
-                chunk.entry = shape.entry.data();
-                chunk.gradient = shape.gradient.data();
-            } else {
-                chunk.entry = block.entry.data() + begins[c].entry;
-                chunk.gradient = block.gradient.data() + begins[c].gradient;
-            }
-        }
-    }
-};
-
 CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolerance, Instructions instructions)
     : groups_(group_cells(model, tolerance, threads)),
       lanes_(cell_lanes(instructions)),
@@ -218,42 +49,42 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolera
     shapes_.resize(groups_.shapes);
     threads.for_each(shapes_.size(), 16, [&](std::size_t s) {
         if (leader[s] == no_index) return;
-        const CellGroups::Group& g = groups_.groups[leader[s]];
-        const std::size_t entries = groups_.window_size(g);
-        std::vector<Vec3f> dense(8 * entries);
-        std::vector<Vec3> spread(entries);
-        for (std::size_t octant = 0; octant < 8; ++octant) {
-            if (g.point[octant] == no_index) continue;
-            groups_.spread_gradients(model, g, octant, spread);
-            for (std::size_t e = 0; e < entries; ++e) dense[octant * entries + e] = vector_cast<float>(spread[e]);
-        }
-        BlockBuilder::add_pairs(dense, entries, 1, shapes_[s].entry, shapes_[s].gradient, shapes_[s].pair_begin, 0);
+        shapes_[s] = pack_shape(model, groups_, groups_.groups[leader[s]]);
     });
 
     blocks_.resize(begin.size() - 1);
-    std::vector<std::vector<std::uint32_t>> slot_nodes(blocks_.size());
-    std::vector<char> complete(blocks_.size());
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
-        BlockBuilder builder{*this,      model,         std::span(order).subspan(begin[b], begin[b + 1] - begin[b]),
-                             blocks_[b], slot_nodes[b], {}};
-        builder.run();
-        complete[b] = builder.complete;
+        const auto members = std::span(order).subspan(begin[b], begin[b + 1] - begin[b]);
+        blocks_[b] = pack_block(model, groups_, shapes_, members, lanes_);
     });
-    matches_model_ = std::find(complete.begin(), complete.end(), 0) == complete.end();
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        blocks_[b].slot_begin = static_cast<std::uint32_t>(slot_node_.size());
-        slot_node_.insert(slot_node_.end(), slot_nodes[b].begin(), slot_nodes[b].end());
-        blocks_[b].slot_end = static_cast<std::uint32_t>(slot_node_.size());
-    }
-    transpose_slots(model.rest.size());
-    u_.resize(slot_node_.size());
-    f_.resize(slot_node_.size());
+    for (const CellBlock& block : blocks_) matches_model_ &= block.complete;
+    number_slots(model.rest.size());
+    count(model);
+    groups_.node = {}, groups_.place = {}, groups_.point_slot_begin = {};  // never needed again
     set_materials(model, threads);
+}
 
+void CellBlocks::number_slots(std::size_t nodes) {
+    slot_begin_.assign(1, 0);
+    node_slot_offset_.assign(nodes + 1, 0);
+    for (const CellBlock& block : blocks_) {
+        slot_begin_.push_back(slot_begin_.back() + static_cast<std::uint32_t>(block.slot_node.size()));
+        for (std::size_t s = 1; s < block.slot_node.size(); ++s) ++node_slot_offset_[block.slot_node[s] + 1];
+    }
+    for (std::size_t n = 0; n < nodes; ++n) node_slot_offset_[n + 1] += node_slot_offset_[n];
+    node_slots_.resize(node_slot_offset_[nodes]);
+    std::vector<std::uint32_t> next(node_slot_offset_.begin(), node_slot_offset_.end() - 1);
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+        for (std::uint32_t s = 1; s < blocks_[b].slot_node.size(); ++s)
+            node_slots_[next[blocks_[b].slot_node[s]]++] = slot_begin_[b] + s;
+    u_.resize(slot_begin_.back());
+    f_.resize(slot_begin_.back());
+}
+
+void CellBlocks::count(const Model& model) {
     counts_.groups = groups_.groups.size();
-    for (std::uint32_t q = 0; q < model.stencils.points(); ++q)
-        counts_.pairs += model.stencils.offset[q + 1] - model.stencils.offset[q];
-    for (const Block& block : blocks_) {
+    counts_.pairs = model.stencils.pairs();
+    for (const CellBlock& block : blocks_) {
         counts_.chunks += block.chunks.size();
         for (const CellChunk& chunk : block.chunks) {
             counts_.uniform_chunks += chunk.uniform;
@@ -262,18 +93,7 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolera
         }
         counts_.bytes += 4 * block.gradient.size() + 2 * block.entry.size() + 2 * block.slot.size();
     }
-    for (const Shape& shape : shapes_) counts_.bytes += 4 * shape.gradient.size() + 2 * shape.entry.size();
-}
-
-void CellBlocks::transpose_slots(std::size_t nodes) {
-    node_slot_offset_.assign(nodes + 1, 0);
-    for (std::uint32_t n : slot_node_)
-        if (n != no_index) ++node_slot_offset_[n + 1];
-    for (std::size_t n = 0; n < nodes; ++n) node_slot_offset_[n + 1] += node_slot_offset_[n];
-    node_slots_.resize(node_slot_offset_[nodes]);
-    std::vector<std::uint32_t> next(node_slot_offset_.begin(), node_slot_offset_.end() - 1);
-    for (std::uint32_t slot = 0; slot < slot_node_.size(); ++slot)
-        if (slot_node_[slot] != no_index) node_slots_[next[slot_node_[slot]]++] = slot;
+    for (const CellShape& shape : shapes_) counts_.bytes += 4 * shape.gradient.size() + 2 * shape.entry.size();
 }
 
 void CellBlocks::set_materials(const Model& model, const Threads& threads) {
@@ -287,7 +107,7 @@ void CellBlocks::set_materials(const Model& model, const Threads& threads) {
     }
     stiffness_ = largest > 0 ? largest : 1;
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
-        Block& block = blocks_[b];
+        CellBlock& block = blocks_[b];
         const std::size_t points = 8 * lanes_;
         block.lame.assign(block.chunks.size() * 2 * points, 0);
         block.volume_stiffness.assign(has_volume_stiffness ? block.chunks.size() * points : 0, 0);
@@ -307,7 +127,7 @@ void CellBlocks::set_materials(const Model& model, const Threads& threads) {
 }
 
 /// Tells the lanes of a chunk which of them see the same dilatation cell.
-void CellBlocks::join_lanes(Block& block, std::size_t chunk) const {
+void CellBlocks::join_lanes(CellBlock& block, std::size_t chunk) const {
     const std::uint32_t* g = &block.lane_group[chunk * lanes_];
     block.chunks[chunk].join = nullptr;
     if (!groups_.groups[g[0]].joined) return;
@@ -320,7 +140,7 @@ void CellBlocks::join_lanes(Block& block, std::size_t chunk) const {
         while (cell(join[lane]) != cell(lane)) ++join[lane];
 }
 
-void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group, Block& block, std::size_t chunk,
+void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group, CellBlock& block, std::size_t chunk,
                              std::size_t lane) const {
     const bool shared = group.dilatation_cell != no_index;
     if (shared) block.chunks[chunk].share = &block.share[chunk * 8 * lanes_];
@@ -365,9 +185,11 @@ Mat3 frame_of(const Model& m, std::span<const std::uint32_t> nodes, std::span<co
 
 }  // namespace
 
-Mat3 CellBlocks::move_to_slots(const Model& m, const Block& block, std::span<const Vec3> x, Float4* u) const {
-    const std::span nodes = std::span(slot_node_).subspan(block.slot_begin + 1, block.slot_end - block.slot_begin - 1);
-    const Mat3 R = block.moves ? frame_of(m, nodes, x) : Mat3::identity();
+/// Displacements from the rest shape moved to where the block is, into the block's slots; returns how it was turned.
+Mat3 CellBlocks::move_to_slots(const Model& m, std::size_t b, std::span<const Vec3> x) const {
+    const std::span nodes = std::span(blocks_[b].slot_node).subspan(1);
+    Float4* u = &u_[slot_begin_[b]];
+    const Mat3 R = blocks_[b].moves ? frame_of(m, nodes, x) : Mat3::identity();
     const Mat3 Rt = (1 / length_) * transpose(R);
     const Vec3 x0 = x[nodes[0]], X0 = m.rest[nodes[0]];
     u[0] = Float4{};
@@ -378,23 +200,22 @@ Mat3 CellBlocks::move_to_slots(const Model& m, const Block& block, std::span<con
     return R;
 }
 
-double CellBlocks::run(const Block& block, CellTask task) const {
+double CellBlocks::run(std::size_t b, CellTask task) const {
     thread_local std::vector<float> scratch;
     scratch.resize(std::max(scratch.size(), 6 * largest_window_ * lanes_));
-    Float4* f = &f_[block.slot_begin];
-    if (task != CellTask::energy) std::fill(f, f + (block.slot_end - block.slot_begin), Float4{});
-    return kernel_(block.chunks, task, &u_[block.slot_begin], f, scratch.data());
+    Float4* f = &f_[slot_begin_[b]];
+    if (task != CellTask::energy) std::fill(f, f + blocks_[b].slot_node.size(), Float4{});
+    return kernel_(blocks_[b].chunks, task, &u_[slot_begin_[b]], f, scratch.data());
 }
 
 void CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const {
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
-        const Block& block = blocks_[b];
-        const Mat3 R = move_to_slots(m, block, x, &u_[block.slot_begin]);
-        run(block, CellTask::forces);
-        if (!block.moves) return;
+        const Mat3 R = move_to_slots(m, b, x);
+        run(b, CellTask::forces);
+        if (!blocks_[b].moves) return;
         Mat3f turn;
         for (std::size_t r = 0; r < 3; ++r) turn.rows[r] = vector_cast<float>(R.rows[r]);
-        for (std::uint32_t s = block.slot_begin; s < block.slot_end; ++s) {
+        for (std::uint32_t s = slot_begin_[b]; s < slot_begin_[b + 1]; ++s) {
             const Vec3f v = turn * Vec3f{f_[s].lane[0], f_[s].lane[1], f_[s].lane[2]};
             f_[s] = {{v.x, v.y, v.z, 0}};
         }
@@ -412,24 +233,23 @@ void CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& 
 
 double CellBlocks::energy(const Model& m, std::span<const Vec3> x, const Threads& threads) const {
     return stiffness_ * threads.sum(blocks_.size(), 1, [&](std::size_t b) {
-        move_to_slots(m, blocks_[b], x, &u_[blocks_[b].slot_begin]);
-        return run(blocks_[b], CellTask::energy);
+        move_to_slots(m, b, x);
+        return run(b, CellTask::energy);
     });
 }
 
 void CellBlocks::rest_action(const Model&, std::span<const Vec3f> d, const Threads& threads,
                              std::span<Vec3f> out) const {
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
-        const Block& block = blocks_[b];
-        Float4* u = &u_[block.slot_begin];
-        const std::uint32_t* node = &slot_node_[block.slot_begin];
+        Float4* u = &u_[slot_begin_[b]];
+        const std::vector<std::uint32_t>& node = blocks_[b].slot_node;
         const Vec3f origin = d[node[1]];
         u[0] = Float4{};
-        for (std::uint32_t s = 1; s < block.slot_end - block.slot_begin; ++s) {
+        for (std::size_t s = 1; s < node.size(); ++s) {
             const Vec3f v = d[node[s]] - origin;
             u[s] = {{v.x, v.y, v.z, 0}};
         }
-        run(block, CellTask::rest_action);
+        run(b, CellTask::rest_action);
     });
     const auto unit = static_cast<float>(stiffness_ / (length_ * length_));
     threads.for_each(out.size(), node_chunk, [&](std::size_t i) {

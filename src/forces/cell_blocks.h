@@ -3,8 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "forces/cell_groups.h"
-#include "forces/cell_kernel.h"
+#include "forces/cell_packing.h"
 
 namespace phyxel {
 
@@ -56,38 +55,21 @@ public:
     const Counts& counts() const { return counts_; }
 
 private:
-    /// Gradients of a uniform chunk, shared by all with its shape.
-    struct Shape {
-        std::array<std::uint32_t, 9> pair_begin{};
-        std::vector<std::uint16_t> entry;
-        std::vector<float> gradient;
-    };
-    /// Groups near to each other, with slots for the nodes that they see.
-    struct Block {
-        std::vector<CellChunk> chunks;
-        std::vector<std::uint32_t> lane_group;  ///< [chunks][lanes] group in a lane, `no_index` for none
-        std::vector<std::uint16_t> slot, entry;
-        std::vector<std::uint8_t> join;  ///< [chunks][lanes] where dilatation cells have several groups
-        std::vector<float> gradient, lame, volume_stiffness, share;
-        std::uint32_t slot_begin = 0, slot_end = 0;  ///< into `slot_node_`; the first stands for missing nodes
-        bool moves = false;                          ///< its laws follow rotations
-    };
-    struct BlockBuilder;
-
-    void transpose_slots(std::size_t nodes);
-    void fill_moduli(const Model& model, const CellGroups::Group& group, Block& block, std::size_t chunk,
+    void number_slots(std::size_t nodes);
+    void count(const Model& model);
+    void fill_moduli(const Model& model, const CellGroups::Group& group, CellBlock& block, std::size_t chunk,
                      std::size_t lane) const;
-    void join_lanes(Block& block, std::size_t chunk) const;
-    Mat3 move_to_slots(const Model& model, const Block& block, std::span<const Vec3> x, Float4* u) const;
-    double run(const Block& block, CellTask task) const;
+    void join_lanes(CellBlock& block, std::size_t chunk) const;
+    Mat3 move_to_slots(const Model& model, std::size_t block, std::span<const Vec3> x) const;
+    double run(std::size_t block, CellTask task) const;
 
     CellGroups groups_;
     std::size_t lanes_;
     CellKernel kernel_;
     double length_ = 1, stiffness_ = 1;  ///< units of the lanes: spacing [m], largest V times modulus [J]
-    std::vector<Shape> shapes_;          ///< [shapes] empty where no chunk is uniform
-    std::vector<Block> blocks_;
-    std::vector<std::uint32_t> slot_node_;         ///< [slots] `no_index` for the first of each block
+    std::vector<CellShape> shapes_;      ///< [shapes] empty where no chunk is uniform
+    std::vector<CellBlock> blocks_;
+    std::vector<std::uint32_t> slot_begin_;        ///< [blocks + 1]
     std::vector<std::uint32_t> node_slot_offset_;  ///< [nodes + 1] into `node_slots_`
     std::vector<std::uint32_t> node_slots_;
     std::size_t largest_window_ = 0;
