@@ -102,6 +102,21 @@ TEST(CellBlocks, forces_are_those_in_double_precision) {
     measured("force against double precision", worst);
 }
 
+TEST(CellBlocks, points_may_differ_in_law_and_moduli) {
+    for (auto [name, m] : bodies()) {
+        const auto laws = all_laws();
+        m.point_materials.clear();
+        for (const Vec3& X : m.sampling.points) {
+            const std::size_t slice = static_cast<std::size_t>(100 + 7 * X.z / m.sampling.spacing) % laws.size();
+            Material material = laws[slice].second;
+            material.poissons_ratio = 0.3;
+            material.youngs_modulus *= 1 + X.x * X.x;
+            m.point_materials.push_back(material_point(material));
+        }
+        EXPECT_LE(error_of(CellBlocks(m, threads), m, turned_stretched_and_shaken(m)), 1e-5) << name;
+    }
+}
+
 TEST(CellBlocks, energy_is_that_in_double_precision) {
     double worst = 0;
     for (auto [name, m] : bodies())
