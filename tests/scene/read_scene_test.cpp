@@ -94,6 +94,42 @@ TEST(ReadScene, nodal_quadrature_brings_its_own_kernel_unless_the_scene_names_on
     EXPECT_EQ(read(nodal + "kernel = { shape = \"wendland\" }").bodies[0].settings.kernel.shape, KernelShape::wendland);
 }
 
+TEST(ReadScene, regions_arrive_in_order_with_the_material_they_name) {
+    const Scene scene = read(std::string(least_scene) + R"(
+mean_dilatation = true
+region = [
+    { box = [[0, 0, 0], [1, 1, 1]], material = "bone" },
+    { sphere = { center = [0, 1, 0], radius = 0.02 }, material = "jelly", transition = 0.01 },
+    { mesh = "core.obj", part = "inner", scale = 2, translation = [0, 0, 1], material = "bone" },
+]
+[[material]]
+name = "bone"
+preset = "jelly"
+youngs_modulus = 1e9
+)");
+    const BodySettings& settings = scene.bodies[0].settings;
+    EXPECT_EQ(settings.mean_dilatation, true);
+    ASSERT_EQ(settings.regions.size(), 3u);
+    EXPECT_EQ(std::get<BoxRegion>(settings.regions[0].shape).upper, (Vec3{1, 1, 1}));
+    EXPECT_EQ(settings.regions[0].material.youngs_modulus, 1e9);
+    EXPECT_EQ(settings.regions[0].transition, 0);
+    EXPECT_EQ(std::get<SphereRegion>(settings.regions[1].shape).center, (Vec3{0, 1, 0}));
+    EXPECT_EQ(std::get<SphereRegion>(settings.regions[1].shape).radius, 0.02);
+    EXPECT_EQ(settings.regions[1].material, settings.material);
+    EXPECT_EQ(settings.regions[1].transition, 0.01);
+    EXPECT_EQ(scene.bodies[0].regions[1].mesh.has_value(), false);
+    EXPECT_EQ(scene.bodies[0].regions[2].mesh->part, "inner");
+    EXPECT_EQ(scene.bodies[0].regions[2].scale, 2);
+    EXPECT_EQ(scene.bodies[0].regions[2].material, 1u);
+}
+
+TEST(ReadScene, mean_dilatation_is_auto_unless_said) {
+    EXPECT_EQ(read(least_scene).bodies[0].settings.mean_dilatation, std::nullopt);
+    EXPECT_EQ(read(std::string(least_scene) + "mean_dilatation = \"auto\"").bodies[0].settings.mean_dilatation,
+              std::nullopt);
+    EXPECT_EQ(read(std::string(least_scene) + "mean_dilatation = false").bodies[0].settings.mean_dilatation, false);
+}
+
 TEST(ReadScene, unnamed_entries_are_called_by_their_index) {
     const Scene scene = read(with(least_scene, "name = \"ball\"", ""));
     EXPECT_EQ(scene.bodies[0].name, "body0");
