@@ -1,14 +1,12 @@
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
-#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "bench/benches.h"
+#include "bench/child.h"
 #include "geometry/thickness.h"
 #include "geometry/winding_number.h"
 #include "phyxel/error.h"
@@ -33,7 +31,6 @@ struct Measurement {
     double processor_seconds = 0;  ///< of all threads together: what other work on the machine changes least
     double peak_bytes = 0;         ///< resident, above what the process held at its start
     double stage[stage_count] = {};
-    char error[256] = {};
 };
 
 BodySettings settings_for(std::size_t nodes) {
@@ -67,21 +64,6 @@ TriangleMesh read(const std::string& file) {
     if (!file.empty()) return read_mesh(file);
     const std::string bunny = "scenes/meshes/bunny.obj";
     return quartered(access(bunny.c_str(), R_OK) == 0 ? read_mesh(bunny) : make_sphere(1));
-}
-
-double peak_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-double processor_seconds() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
 /// As a user does it: mesh, world, body, one substep.
@@ -151,34 +133,6 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
     timed([&] { return leap_frog(body, around, 0, body.rest_step, 1, threads), 0; });
 }
 
-/// Runs `work` in a process of its own, so that the peak memory of one size does not show in the next.
-template <class Work>
-Measurement in_child(Work&& work) {
-    std::array<int, 2> pipe_ends;
-    if (pipe(pipe_ends.data()) != 0) throw Error("the benchmark could not open a pipe");
-    const pid_t child = fork();
-    if (child < 0) throw Error("the benchmark could not start a process");
-    if (child == 0) {
-        Measurement m;
-        try {
-            work(m);
-        } catch (const std::exception& error) {
-            std::strncpy(m.error, error.what(), sizeof m.error - 1);
-        }
-        const bool sent = write(pipe_ends[1], &m, sizeof m) == sizeof m;
-        _exit(sent ? 0 : 1);
-    }
-    close(pipe_ends[1]);
-    Measurement m;
-    const bool received = ::read(pipe_ends[0], &m, sizeof m) == sizeof m;
-    close(pipe_ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (!received) throw Error("the process that was measured died, for want of memory most likely");
-    if (m.error[0] != 0) throw Error(m.error);
-    return m;
-}
-
 void print_json(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Measurement>& rows) {
     nlohmann::ordered_json json;
     json["setup"] = {{"mesh", mesh}, {"triangles", triangles}, {"fixed_bytes", fixed}};
@@ -227,15 +181,15 @@ int run_setup(const Options& options) {
     if (options.large) sizes.push_back(200000);
     if (options.nodes > 0) sizes = {options.nodes};
     // What a body of a few nodes takes: code and tables of the libraries, the pool of threads.
-    const double fixed = in_child([&](Measurement& out) {
+    const double fixed = in_child<Measurement>([&](Measurement& out) {
                              measure_whole([] { return make_box({1, 1, 1}); }, 27, options.threads, out);
                          }).peak_bytes;
     std::vector<Measurement> rows;
     for (const std::size_t nodes : sizes) {
-        Measurement m =
-            in_child([&](Measurement& out) { measure_whole([&] { return read(file); }, nodes, options.threads, out); });
+        Measurement m = in_child<Measurement>(
+            [&](Measurement& out) { measure_whole([&] { return read(file); }, nodes, options.threads, out); });
         const Measurement parts =
-            in_child([&](Measurement& out) { measure_stages(file, nodes, options.threads, out); });
+            in_child<Measurement>([&](Measurement& out) { measure_stages(file, nodes, options.threads, out); });
         std::copy(std::begin(parts.stage), std::end(parts.stage), m.stage);
         m.pairs = parts.pairs;
         rows.push_back(m);

@@ -14,7 +14,8 @@ enum ExitCode { success = 0, failure = 1, mistake = 2 };
 void add_run(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
-void add_later(CLI::App& app);  ///< `view` and `study`, which this version lacks
+void add_study(CLI::App& app, int& exit_code);
+void add_later(CLI::App& app);  ///< `view`, which this version lacks
 
 /// The option `--threads N` that every command has.
 void add_threads(CLI::App& command, int& threads);

@@ -26,7 +26,6 @@ void add_command(CLI::App& app, const std::string& name, const std::string& what
 void add_later(CLI::App& app) {
     add_command(app, "view", "Shows a scene in a window", "SCENE",
                 "use 'phyxel run SCENE --set output.formats=[\"mp4\"]' for a film");
-    add_command(app, "study", "Runs a published experiment", "NAME", "'phyxel bench' lists what can be measured");
 }
 
 }  // namespace phyxel::cli

@@ -37,6 +37,7 @@ int run_program(int argc, char** argv) {
     add_later(app);
     add_check(app, exit_code);
     add_bench(app, exit_code);
+    add_study(app, exit_code);
     try {
         app.parse(argc, argv);
         return exit_code;

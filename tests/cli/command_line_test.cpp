@@ -36,7 +36,7 @@ TEST_F(CommandLine, wrong_arguments_are_mistakes) {
     expect_mistake(shell("phyxel run scene.toml --set simulation.duration=-1"), "--set simulation.duration=-1");
     expect_mistake(shell("phyxel run scene.toml --set bodies.block.scale=1"), "unknown key 'bodies'");
     expect_mistake(shell("phyxel bench nothing"), "no benchmark named 'nothing'");
-    expect_mistake(shell("phyxel study list"), "not available yet");
+    expect_mistake(shell("phyxel study"), "NAME");
     expect_mistake(shell("phyxel view scene.toml"), "not available yet");
     expect_mistake(shell("phyxel check"), "MESH");
     expect_mistake(shell("phyxel check none.obj"), "none.obj");

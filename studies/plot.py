@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""Draws the picture of a study: python3 plot.py NAME FOLDER reads FOLDER/NAME.csv and writes FOLDER/NAME.png."""
+
+import csv
+import pathlib
+import sys
+
+try:
+    import matplotlib
+except ImportError:
+    sys.exit(3)
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return [{key: number(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def groups(rows, key):
+    """The rows by their value of a column, in the order of the table."""
+    return {value: [row for row in rows if row[key] == value] for value in dict.fromkeys(row[key] for row in rows)}
+
+
+def column(rows, key):
+    return [row[key] for row in rows]
+
+
+def lines(axes, rows, group, x, y, absolute=False):
+    for name, part in groups(rows, group).items():
+        values = [abs(value) for value in column(part, y)] if absolute else column(part, y)
+        axes.plot(column(part, x), values, "o-", markersize=3, linewidth=1, label=name)
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+
+
+def accuracy(figure, rows, _):
+    for axes, (load, part) in zip(figure.subplots(1, 2), groups(rows, "load").items()):
+        lines(axes, part, "method", "nodes", "error [%]", absolute=True)
+        axes.set_title(load)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.legend(fontsize=7)
+
+
+def convergence(figure, rows, _):
+    for axes, (load, part) in zip(figure.subplots(1, 2), groups(rows, "load").items()):
+        lines(axes, part, "quadrature", "nodes", "difference")
+        nodes = column(part, "nodes")
+        start = part[0]["difference"]
+        axes.plot(nodes, [start * (n / nodes[0]) ** (-2 / 3) for n in nodes], "k:", linewidth=1, label="spacing squared")
+        axes.set_title(load)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.legend(fontsize=7)
+
+
+def locking(figure, rows, _):
+    left, right = figure.subplots(1, 2)
+    for name, part in groups(rows, "method").items():
+        x = [0.5 - nu for nu in column(part, "nu")]
+        left.plot(x, column(part, "error [%]"), "o-", markersize=3, linewidth=1, label=name)
+        right.plot(x, column(part, "tip x [mm]"), "o-", markersize=3, linewidth=1, label=name)
+    for axes, label in ((left, "error of the tip [%]"), (right, "sideways drift of the tip [mm]")):
+        axes.set_xscale("log")
+        axes.invert_xaxis()
+        axes.set_xlabel("1/2 - nu")
+        axes.set_ylabel(label)
+    left.legend(fontsize=6)
+
+
+def ghost_forces(figure, rows, _):
+    left, right = figure.subplots(1, 2)
+    lines(left, [row for row in rows if row["force [N]"] > 0], "law", "force [N]", "volume")
+    lines(right, [row for row in rows if row["turn [deg]"] > 0], "law", "turn [deg]", "energy [J]")
+    left.set_title("bent")
+    right.set_title("turned as a whole")
+    left.legend(fontsize=7)
+
+
+def rotation(figure, rows, _):
+    left, right = figure.subplots(1, 2)
+    lines(left, rows, "rotation", "stretch", "turned [deg]")
+    lines(right, rows, "rotation", "stretch", "work of a loop")
+    right.set_yscale("log")
+    left.legend(fontsize=7)
+
+
+def timing(figure, rows, _):
+    for axes, (load, part) in zip(figure.subplots(1, 2), groups(rows, "load").items()):
+        lines(axes, part, "method", "nodes", "time [s]")
+        axes.set_title(load)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.legend(fontsize=7)
+
+
+def two_materials(figure, rows, _):
+    axes = figure.subplots()
+    lines(axes, rows, "cylinder", "x [m]", "height [m]")
+    axes.legend(fontsize=7)
+
+
+def irregular_steps(figure, _, folder):
+    paths = groups(read(folder / "irregular-steps-paths.csv"), "run")
+    for axes, scheme in zip(figure.subplots(1, 2, sharey=True), ("implicit Euler", "BDF2")):
+        for name, part in paths.items():
+            if name.startswith(scheme):
+                axes.plot(column(part, "time [s]"), column(part, "height [m]"), "o-", markersize=2, linewidth=1,
+                          label=name.split(", ")[1])
+        axes.set_title(scheme)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("height of the tip [m]")
+    axes.legend(fontsize=7)
+
+
+def nodal_integration(figure, rows, _):
+    left, right = figure.subplots(1, 2)
+    bent = [row for row in rows if row["load"] == "bending"]
+    lines(left, bent, "volumes", "nodes", "error [%]")
+    lines(right, bent, "volumes", "nodes", "volume")
+    for axes in (left, right):
+        axes.set_xscale("log")
+    left.legend(fontsize=7)
+
+
+def support(figure, rows, _):
+    for axes, (load, part) in zip(figure.subplots(1, 2), groups(rows, "load").items()):
+        lines(axes, part, "nodes", "support", "error [%]")
+        axes.axhline(0, color="k", linewidth=0.5)
+        axes.set_title(load)
+    axes.legend([f"{count:.0f} nodes" for count in groups(rows, "nodes")], fontsize=7)
+
+
+def torus_on_floor(figure, rows, folder):
+    left, middle, right = figure.subplots(1, 3)
+    left.plot(column(rows, "time [s]"), column(rows, "lowest [m]"), label="lowest point")
+    left.plot(column(rows, "time [s]"), column(rows, "center [m]"), label="center of mass")
+    left.set_xlabel("time [s]")
+    left.set_ylabel("height [m]")
+    left.legend(fontsize=7)
+    for axes, (when, part) in zip((middle, right), groups(read(folder / "torus-on-floor-shapes.csv"), "when").items()):
+        kinds = groups(part, "what")
+        axes.plot(column(kinds["surface"], "z"), column(kinds["surface"], "y"), ",", color="0.5")
+        axes.plot(column(kinds["node"], "z"), column(kinds["node"], "y"), "r.", markersize=1)
+        axes.axhline(0, color="k", linewidth=1)
+        axes.set_aspect("equal")
+        axes.set_title(when)
+
+
+STUDIES = {
+    "accuracy": accuracy,
+    "convergence": convergence,
+    "locking": locking,
+    "ghost-forces": ghost_forces,
+    "rotation": rotation,
+    "timing": timing,
+    "two-materials": two_materials,
+    "irregular-steps": irregular_steps,
+    "nodal-integration": nodal_integration,
+    "support": support,
+    "torus-on-floor": torus_on_floor,
+}
+
+
+def main(name, folder):
+    folder = pathlib.Path(folder)
+    figure = plt.figure(figsize=(8, 3.6), layout="constrained")
+    STUDIES[name](figure, read(folder / f"{name}.csv"), folder)
+    figure.savefig(folder / f"{name}.png", dpi=90)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

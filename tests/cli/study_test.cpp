@@ -1,0 +1,74 @@
+#include <sstream>
+
+#include "shell.h"
+
+namespace phyxel {
+namespace {
+
+using StudyCommand = Shell;
+
+/// Names of the studies that this version has.
+std::vector<std::string> names_of_studies(const std::string& list) {
+    std::vector<std::string> names;
+    std::istringstream lines(list);
+    std::string line;
+    std::getline(lines, line);  // the title
+    while (std::getline(lines, line))
+        if (line.find("not available yet") == line.npos) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    return names;
+}
+
+std::string state_hash(const std::string& out) {
+    const std::size_t at = out.find("state hash ");
+    return at == out.npos ? "" : out.substr(at, 27);
+}
+
+TEST_F(StudyCommand, list_names_every_study) {
+    const Outcome outcome = shell("phyxel study list");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(names_of_studies(outcome.out).size(), 11u) << outcome.out;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(StudyCommand, unknown_and_missing_studies_are_refused_by_name) {
+    const Outcome unknown = shell("phyxel study acuracy");
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_NE(unknown.err.find("no study named 'acuracy'; did you mean 'accuracy'?"), std::string::npos) << unknown.err;
+    const Outcome pile = shell("phyxel study pile");
+    EXPECT_EQ(pile.code, 2);
+    EXPECT_NE(pile.err.find("'pile' is not available yet: needs contact between bodies"), std::string::npos)
+        << pile.err;
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(StudyCommand, a_study_leaves_a_table_and_its_script_and_a_picture_where_it_can) {
+    const Outcome outcome = shell("phyxel study rotation --small -o out");
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const std::string table = content(work() / "out/rotation.csv");
+    EXPECT_EQ(table.substr(0, table.find('\n')), "rotation,stretch,turned [deg],work of a loop");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 13);
+    EXPECT_EQ(content(work() / "out/plot.py"), content(PHYXEL_SOURCE_DIR "/studies/plot.py"));
+    EXPECT_NE(std::filesystem::exists(work() / "out/rotation.png"),
+              outcome.err.find("no picture: ") != std::string::npos);
+}
+
+TEST_F(StudyCommand, without_python_there_is_a_table_and_a_message) {
+    const Outcome outcome = shell("PATH=/nowhere phyxel study rotation --small -o out");
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_NE(outcome.err.find("no picture: there is no python3 here"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(work() / "out/rotation.csv"));
+}
+
+TEST_F(StudyCommand, LONG_every_study_holds_its_claims_at_small_size_with_the_same_bits_for_any_number_of_threads) {
+    for (const std::string& study : names_of_studies(shell("phyxel study list").out)) {
+        const Outcome one = shell("phyxel study " + study + " --small --threads 1 -o one/" + study);
+        EXPECT_EQ(one.code, 0) << one.out << one.err;
+        const Outcome two = shell("phyxel study " + study + " --small --threads 2 -o two/" + study);
+        EXPECT_EQ(two.code, 0) << two.out << two.err;
+        EXPECT_EQ(state_hash(one.out), state_hash(two.out)) << study;
+    }
+}
+
+}  // namespace
+}  // namespace phyxel
