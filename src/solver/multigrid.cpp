@@ -142,6 +142,7 @@ void RestMultigrid::set_weights(double stiffness, double inertia, const Threads&
     if (stiffness == stiffness_ && inertia == inertia_) return;
     stiffness_ = stiffness, inertia_ = inertia;
     for (std::size_t l = 0; l < levels_.size(); ++l) {
+        levels_[l].support = {};
         assemble(l);
         // Supports stand in the diagonal too and do not raise it.
         if (l + 1 < levels_.size()) levels_[l].largest = 1.05 * largest_eigenvalue(l, threads);

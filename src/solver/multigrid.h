@@ -24,7 +24,7 @@ public:
     ~RestMultigrid();
     RestMultigrid(RestMultigrid&&) noexcept;
 
-    /// Sets s and c [1/s^2]; the operators are put together anew when they changed.
+    /// Sets s and c [1/s^2]; when they changed, the operators are put together anew, without supports.
     void set_weights(double stiffness, double inertia, const Threads& threads);
 
     /// Adds `blocks` [nodes], symmetric and semidefinite, to the diagonal of A; empty: none.

@@ -62,14 +62,16 @@ SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& precond
     // A body with nothing acting on it is in equilibrium up to rounding.
     const Model& m = potential.body.model;
     scale = std::max(scale, 1e-9 * m.largest_modulus * m.node_length * m.node_length);
+    double reach = 0;
+    for (const Vec3& X : x) reach = std::max(reach, norm(X - x.front()));
+    const double rounding = 64 * std::numeric_limits<double>::epsilon() * m.largest_modulus * m.node_length * reach;
+    const SolveTolerance tolerance{std::max(force_tolerance * scale, rounding), 0};
 
     const std::vector<Vec3> before = x;
-    SolveReport total =
-        newton(potential, preconditioner, x, {force_tolerance * scale, 0}, NewtonSteps::full, most_full);
+    SolveReport total = newton(potential, preconditioner, x, tolerance, NewtonSteps::full, most_full);
     if (!total.converged) {
         x = before;
-        total.add(
-            newton(potential, preconditioner, x, {force_tolerance * scale, 0}, NewtonSteps::guarded, most_guarded));
+        total.add(newton(potential, preconditioner, x, tolerance, NewtonSteps::guarded, most_guarded));
     }
     if (!total.converged) x = before;
     return total;

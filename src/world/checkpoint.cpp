@@ -84,12 +84,13 @@ void World::load_checkpoint(const std::filesystem::path& path) {
                     "values that wrote it");
     // All is read before anything changes.
     std::vector<State> states;
+    std::vector<std::vector<Vec3>> modes;
     std::vector<History> histories;
     std::vector<std::vector<ContactSamples::Stick>> sticks;
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
-        (void)file.values<Vec3>(section(i, "mode"), n);
+        modes.push_back(file.values<Vec3>(section(i, "mode"), is_explicit(p.settings.integrator) ? n : 0));
         for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load"})
             (void)file.value<double>(section(i, what));
         sticks.push_back(file.values<ContactSamples::Stick>(section(i, "sticks"),
@@ -110,7 +111,7 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         body.sticks = std::move(sticks[i]);
         body.penalty_energy = file.value<double>(section(i, "penalty_energy"));
         body.carried_load = file.value<double>(section(i, "carried_load"));
-        body.frequency.mode() = file.values<Vec3>(section(i, "mode"));
+        body.frequency.mode() = std::move(modes[i]);
         body.step_limit = file.value<double>(section(i, "step_limit"));
         body.exchanged = file.value<Exchanged>(section(i, "exchanged"));
         p.infos[i].energy_at_start = file.value<double>(section(i, "energy_at_start"));
