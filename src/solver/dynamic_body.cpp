@@ -1,5 +1,6 @@
 #include "solver/dynamic_body.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace phyxel {
@@ -12,17 +13,40 @@ double work_of(std::span<const Vec3> force, const DynamicBody& body, const Threa
                        [&](std::size_t i) { return 0.5 * dot(force[i], body.previous[i] + body.state.v[i]); });
 }
 
+std::unique_ptr<FastForces> make_fast_forces(const Model& model, const Threads& threads) {
+    if (!model.nodal.kappa.empty()) return nullptr;
+    CellBlocks cells(model, threads);
+    if (!FastForces::apply_to(model, cells)) return nullptr;
+    return std::make_unique<FastForces>(model, std::move(cells));
+}
+
+/// The model with lambda no larger than at a Poisson's ratio of 0.45, every point by itself.
+Model soften(const Model& model) {
+    constexpr double ratio = 0.45;
+    const auto soften_point = [](MaterialPoint& point) {
+        point.lame.lambda = std::min(point.lame.lambda, 2 * point.lame.mu * ratio / (1 - 2 * ratio));
+    };
+    Model softened = model;
+    softened.dilatation = {};
+    soften_point(softened.material);
+    for (MaterialPoint& point : softened.point_materials) soften_point(point);
+    return softened;
+}
+
 }  // namespace
 
 FastForces* DynamicBody::prepare_fast_forces(const Threads& threads) {
-    if (!fast_forces && model.nodal.kappa.empty()) {
-        CellBlocks cells(model, threads);
-        if (FastForces::apply_to(model, cells)) fast_forces = std::make_unique<FastForces>(model, std::move(cells));
-    }
+    if (!fast_forces) fast_forces = make_fast_forces(model, threads);
     return fast_forces.get();
 }
 
 WarpedPreconditioner& DynamicBody::prepare_preconditioner(double stiffness, double inertia, const Threads& threads) {
+    if (!preconditioner && !model.dilatation.empty()) {
+        softened = std::make_unique<PreconditionerModel>(PreconditionerModel{soften(model), nullptr});
+        softened->fast_forces = make_fast_forces(softened->model, threads);
+        preconditioner =
+            std::make_unique<WarpedPreconditioner>(softened->model, constraints, softened->fast_forces.get(), threads);
+    }
     if (!preconditioner)
         preconditioner =
             std::make_unique<WarpedPreconditioner>(model, constraints, prepare_fast_forces(threads), threads);

@@ -34,6 +34,13 @@ struct History {
     double dt = 0;           ///< [s] length of the last step; 0: there was none
 };
 
+/// What the preconditioner of a nearly incompressible body works with: the same body, more compressible. Coarse
+/// lattices have no fields that keep the volume of every cell and would lock.
+struct PreconditionerModel {
+    Model model;
+    std::unique_ptr<FastForces> fast_forces;
+};
+
 /// A body in motion: what it is, where it is, and what acts on it.
 struct DynamicBody {
     TriangleMesh mesh;  ///< the surface as simulated, rest space
@@ -55,6 +62,7 @@ struct DynamicBody {
     double penalty_energy = 0;                  ///< [J] of patches held by penalties
     std::optional<double> step_energy;          ///< [J] kinetic and stored, after an implicit step
     std::unique_ptr<FastForces> fast_forces;
+    std::unique_ptr<PreconditionerModel> softened;
     std::unique_ptr<WarpedPreconditioner> preconditioner;  ///< made when first needed, for its material and fixes
 
     /// Single-precision forces, made when first needed; null when the model's quadrature has none.
@@ -62,7 +70,9 @@ struct DynamicBody {
     /// The preconditioner of s K + c M + penalties, made or brought up to date.
     WarpedPreconditioner& prepare_preconditioner(double stiffness, double inertia, const Threads& threads);
     /// To be called when the material or the fixes change, or the motion starts anew.
-    void forget_solver() { preconditioner.reset(), fast_forces.reset(), history = {}, step_energy.reset(); }
+    void forget_solver() {
+        preconditioner.reset(), softened.reset(), fast_forces.reset(), history = {}, step_energy.reset();
+    }
 
     // Work arrays [nodes].
     ForceWorkspace work;

@@ -48,6 +48,14 @@ bool is_held(const DynamicBody& b) {
            Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(G).eigenvalues()[0] > 1e-6 * largest;
 }
 
+/// Largest lambda + 2 mu [Pa]: what rounding in the strain is multiplied with.
+double stiffest_modulus(const Model& m) {
+    double largest = m.material.lame.lambda + 2 * m.material.lame.mu;
+    for (const MaterialPoint& point : m.point_materials)
+        largest = std::max(largest, point.lame.lambda + 2 * point.lame.mu);
+    return largest;
+}
+
 /// One load step. `x` is left at the solution, or as it was.
 SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x) {
     // What residuals are measured against: loads, and the forces that moving grips bring about.
@@ -64,7 +72,7 @@ SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& precond
     scale = std::max(scale, 1e-9 * m.largest_modulus * m.node_length * m.node_length);
     double reach = 0;
     for (const Vec3& X : x) reach = std::max(reach, norm(X - x.front()));
-    const double rounding = 64 * std::numeric_limits<double>::epsilon() * m.largest_modulus * m.node_length * reach;
+    const double rounding = 64 * std::numeric_limits<double>::epsilon() * stiffest_modulus(m) * m.node_length * reach;
     const SolveTolerance tolerance{std::max(force_tolerance * scale, rounding), 0};
 
     const std::vector<Vec3> before = x;
