@@ -40,8 +40,8 @@ public:
                 results_.expect_at_most(what + ", Newton iterations", double(beam.iterations), 7);
                 if (size.cells == 4) meshless_ = error;
             }
-            const double hexahedra = elements(force, "hexahedra, 8 nodes", ElementType::hexahedra_8);
-            elements(force, "hexahedra, 27 nodes", ElementType::hexahedra_27);
+            const double hexahedra = elements(force, "8-node hexahedra", ElementType::hexahedra_8);
+            elements(force, "27-node hexahedra", ElementType::hexahedra_27);
             const double tetrahedra = elements(force, "tetrahedra", ElementType::tetrahedra);
             if (options_.small || force.z > 0) continue;
             results_.expect_at_least("bending, 1025 nodes, error of hexahedra over meshless", hexahedra / meshless_,

@@ -15,7 +15,7 @@ namespace {
 using fem::ElementType;
 using fem::Split;
 
-/// A ratio with what triquadratic hexahedra converge to [mm], and what the meshless beam of 1025 nodes may err [%].
+/// A ratio with what triquadratic hexahedra converge to [mm], and what the meshless beam may err [%].
 struct Ratio {
     double nu, tip, allowed;
 };
@@ -25,7 +25,6 @@ constexpr Ratio ratios[] = {{0.45, bent_tip, 0.25}, {0.49, -45.02, 1.5}, {0.499,
 
 int run_locking(const Options& options) {
     Results results("locking", {"method", "nu", "nodes", "tip y [mm]", "tip x [mm]", "error [%]"}, options);
-    const std::size_t n = options.small ? 2 : 4;
     const auto add = [&](const std::string& method, const Ratio& ratio, const BeamResult& beam) {
         const double error = 100 * tip_error(beam, bending, ratio.tip);
         results.add_row({method, ratio.nu, double(beam.nodes), beam.tip.y, beam.tip.x, error});
@@ -33,6 +32,9 @@ int run_locking(const Options& options) {
         return error;
     };
     for (const Ratio& ratio : ratios) {
+        // At 0.4999 conjugate gradients take minutes with 1025 nodes.
+        const std::size_t n = options.small || ratio.nu > 0.4995 ? 2 : 4;
+        if (options.small && ratio.nu > 0.495) break;
         Material material = beam_material;
         material.poissons_ratio = ratio.nu;
         const auto meshless = [&](std::optional<bool> mean_dilatation) {
@@ -49,10 +51,10 @@ int run_locking(const Options& options) {
         const auto elements = [&](const std::string& method, ElementType type, Split split) {
             return add(method, ratio, element_beam(type, n, bending, material, split));
         };
-        elements("hexahedra, 27 nodes", ElementType::hexahedra_27, Split::six);
-        elements("hexahedra, 8 nodes", ElementType::hexahedra_8, Split::six);
+        elements("27-node hexahedra", ElementType::hexahedra_27, Split::six);
+        elements("8-node hexahedra", ElementType::hexahedra_8, Split::six);
         const double one = elements("tetrahedra", ElementType::tetrahedra, Split::six);
-        const double other = elements("tetrahedra, mirrored", ElementType::tetrahedra, Split::six_mirrored);
+        const double other = elements("mirrored tetrahedra", ElementType::tetrahedra, Split::six_mirrored);
         results.expect_at_most(fmt::format("nu = {}, tetrahedra and their mirror image, difference [%]", ratio.nu),
                                std::abs(one - other), 1e-4);
     }

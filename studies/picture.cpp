@@ -26,17 +26,21 @@ int run_python(std::string program, const std::string& script, const std::string
 
 }  // namespace
 
-std::string draw_picture(const std::string& name, const std::filesystem::path& folder) {
+Drawing draw_picture(const std::string& name, const std::filesystem::path& folder) {
     const std::string script = folder / "plot.py";
     write_file(script, plot_script);
     int code = run_python("python3", script, name, folder);
     // Another Python may stand before the system's own, where its packages are.
-    if (code == no_matplotlib && run_python("/usr/bin/python3", script, name, folder) == 0) code = 0;
+    if (code == no_matplotlib) {
+        const int second = run_python("/usr/bin/python3", script, name, folder);
+        if (second != no_program) code = second;
+    }
     if (code == 0) return {};
     const std::string later = "; later: python3 " + script + " " + name + " " + folder.string();
-    if (code == no_program) return "there is no python3 here" + later;
-    if (code == no_matplotlib) return "python3 lacks matplotlib (Debian: apt-get install python3-matplotlib)" + later;
-    return "the plotting script failed" + later;
+    if (code == no_program) return {false, "there is no python3 here" + later};
+    if (code == no_matplotlib)
+        return {false, "python3 lacks matplotlib (Debian: apt-get install python3-matplotlib)" + later};
+    return {true, "the plotting script failed" + later};
 }
 
 }  // namespace phyxel::studies

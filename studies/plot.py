@@ -57,7 +57,7 @@ def convergence(figure, rows, _):
         lines(axes, part, "quadrature", "nodes", "difference")
         nodes = column(part, "nodes")
         start = part[0]["difference"]
-        axes.plot(nodes, [start * (n / nodes[0]) ** (-2 / 3) for n in nodes], "k:", linewidth=1, label="spacing squared")
+        axes.plot(nodes, [start * nodes[0] / n for n in nodes], "k:", linewidth=1, label="spacing cubed")
         axes.set_title(load)
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -150,10 +150,10 @@ def torus_on_floor(figure, rows, folder):
     left.legend(fontsize=7)
     for axes, (when, part) in zip((middle, right), groups(read(folder / "torus-on-floor-shapes.csv"), "when").items()):
         kinds = groups(part, "what")
-        axes.plot(column(kinds["surface"], "z"), column(kinds["surface"], "y"), ",", color="0.5")
-        axes.plot(column(kinds["node"], "z"), column(kinds["node"], "y"), "r.", markersize=1)
+        axes.plot(column(kinds["surface"], "z"), column(kinds["surface"], "y"), ".", color="0.7", markersize=3)
+        axes.plot(column(kinds["node"], "z"), column(kinds["node"], "y"), "r.", markersize=2)
         axes.axhline(0, color="k", linewidth=1)
-        axes.set_aspect("equal")
+        axes.set(aspect="equal", xlim=(-0.2, 0.2), ylim=(-0.02, 0.38))
         axes.set_title(when)
 
 

@@ -25,9 +25,10 @@ std::string printed(const Cell& cell) {
     return fmt::format("{:.5g}", std::get<double>(cell));
 }
 
-/// For programs: the digits that read back as the same number.
+/// For programs: the digits that read back as the same number; names with commas are quoted.
 std::string written(const Cell& cell) {
-    if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+    if (const auto* text = std::get_if<std::string>(&cell))
+        return text->find(',') == text->npos ? *text : '"' + *text + '"';
     return fmt::format("{}", std::get<double>(cell));
 }
 
@@ -86,9 +87,10 @@ void Results::note(std::uint64_t state_hash) {
 int Results::finish() {
     write(name_ + ".csv", columns_, rows_);
     fmt::print("\n{}\n", (folder_ / (name_ + ".csv")).string());
-    const std::string trouble = draw_picture(name_, folder_);
-    if (trouble.empty()) fmt::print("{}\n", (folder_ / (name_ + ".png")).string());
-    else fmt::print(stderr, "phyxel: no picture: {}\n", trouble);
+    const Drawing drawing = draw_picture(name_, folder_);
+    if (drawing.trouble.empty()) fmt::print("{}\n", (folder_ / (name_ + ".png")).string());
+    else fmt::print(stderr, "phyxel: no picture: {}\n", drawing.trouble);
+    expect("the picture could be drawn, where there is what it takes", !drawing.failed);
     if (hash_ != 0) fmt::print("state hash {:016x}\n", hash_);
 
     fmt::print("\n");

@@ -41,9 +41,8 @@ int run_timing(const Options& options) {
                                    slope_of_logarithms(counts, times), 1.4);
         for (const std::size_t n : sizes) {
             if (n > 4) break;
-            add("hexahedra, 8 nodes", [&] { return element_beam(ElementType::hexahedra_8, n, force); });
-            if (n % 2 == 0)
-                add("hexahedra, 27 nodes", [&] { return element_beam(ElementType::hexahedra_27, n, force); });
+            add("8-node hexahedra", [&] { return element_beam(ElementType::hexahedra_8, n, force); });
+            if (n % 2 == 0) add("27-node hexahedra", [&] { return element_beam(ElementType::hexahedra_27, n, force); });
             add("tetrahedra", [&] { return element_beam(ElementType::tetrahedra, n, force); });
         }
     }

@@ -57,7 +57,7 @@ int run_torus_on_floor(const Options& options) {
         const StepReport report = world.step();
         completed = completed && report.status == StepStatus::ok;
         deepest = std::min(deepest, lowest(world, body));
-        if (step % 6 == 0)
+        if (step % 4 == 0)
             results.add_row({world.time(), lowest(world, body), center_height(world, body), world.energy().kinetic,
                              double(report.contacts), double(report.newton_iterations)});
     }
