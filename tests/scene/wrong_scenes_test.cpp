@@ -132,8 +132,8 @@ const WrongScene wrong_scenes[] = {
     {"displacement = [0.0, 0.0, 0.01]", "path = [{ time = 1 }, { time = 1 }]", "35:32", {"times that rise"}},
     {"displacement = [0.0, 0.0, 0.01]", "path = []", "35:8", {"empty list"}},
     // Of the contract, but later
-    {"\"verlet\"", "\"implicit-euler\"", "4:14", {"not available yet", "\"leap-frog\", \"verlet\""}},
-    {"\"verlet\"", "\"static\"", "4:14", {"not available yet"}},
+    {"\"verlet\"", "\"constraint\"", "4:14", {"not available yet", "\"leap-frog\", \"verlet\""}},
+    {"\"verlet\"", "\"auto\"", "4:14", {"not available yet"}},
     {"\"bcc\"", "\"octree\"", "26:22", {"not available yet", "\"cubic\", \"bcc\""}},
     {"density = 1000", "density = 1000\nplasticity = { yield_stress = 1e3 }", "15:1", {"not available yet"}},
     {"density = 1000", "density = 1000\nfracture = { toughness = 10 }", "15:1", {"not available yet"}},
