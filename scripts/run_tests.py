@@ -145,7 +145,9 @@ def stage_meshes(options):
 
 def stage_asan(options):
     # Long motions take minutes each under the sanitizers and run through the same code as the others: with --long only.
-    slow = "" if options.long else "Modes|BarOnRollers|TractionPatch|Promise|Energy|Bounce|Resting|Motion|StableStep|Equilibrium"
+    slow = "" if options.long else (
+        "Modes|BarOnRollers|TractionPatch|Promise|Energy|Bounce|Resting|Motion|StableStep|Equilibrium|Regions|Studies|"
+        "ImplicitStep.(of_any|of_second|from_a|gives)")
     if run_command("asan build", "./dev", "build", "asan"):
         run_unit_tests("asan", SANITIZER_ENVIRONMENT, slow=slow)
 
