@@ -40,9 +40,11 @@ void add_bench(CLI::App& app, int& exit_code) {
     command->add_option("NAME", arguments->name, "Which one; all of them when left out");
     command->add_flag("--json", arguments->options.as_json, "Prints the results as JSON");
     command->add_option("--mesh", arguments->options.mesh, "setup: this mesh instead of the bunny")->type_name("FILE");
-    command->add_option("--nodes", arguments->options.nodes, "setup, cantilever: this number of nodes only")->type_name("N");
+    command->add_option("--nodes", arguments->options.nodes, "setup, cantilever: this number of nodes only")
+        ->type_name("N");
     command->add_flag("--large", arguments->options.large, "setup: 200,000 nodes as well (4 GB of memory)");
-    command->add_flag("--reference", arguments->options.reference, "table-5.1: also the listing, coded line by line; cantilever: also finite elements");
+    command->add_flag("--reference", arguments->options.reference,
+                      "table-5.1: also the listing, coded line by line; cantilever: also finite elements");
     add_threads(*command, arguments->options.threads);
     command->footer(list_of_benches());
     command->callback([arguments, &exit_code] { exit_code = run_benches(arguments->name, arguments->options); });
