@@ -66,7 +66,7 @@ std::string trouble_with(DynamicBody& b, const Snapshot& before, const Surroundi
         norm(around.gravity) * b.model.total_mass * (norm(b.state.x.front() - start) + b.model.node_length);
     const auto stored = [](const BodyEnergy& e) { return e.kinetic + e.stored(); };
     // Below a strain of 1e-4 everywhere there is nothing to lose.
-    const double quiet = 1e-8 * b.model.settings.youngs_modulus * b.model.sampling.clipped_volume;
+    const double quiet = 1e-8 * b.model.largest_modulus * b.model.sampling.clipped_volume;
     const double scale = std::max({stored(after), stored(before.energy), std::abs(external), lost, weight, quiet});
     if (gain <= tolerated_gain * scale) return {};
     return "energy grew by " + format_number(gain) + " J out of nowhere, more than is stored (" +
