@@ -54,7 +54,6 @@ void IncrementalPotential::add_contact(std::span<const Vec3> x, std::span<Vec3> 
 }
 
 void IncrementalPotential::gradient(std::span<const Vec3> x, std::span<Vec3> g) {
-    ++evaluations;
     const Model& m = body.model;
     if (stiffness_damping() > 0) find_velocity(x);
     if (fast_) fast_->forces(m, x, threads, g);
@@ -95,7 +94,6 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
 }
 
 void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3> d, std::span<Vec3> out) {
-    ++evaluations;
     const Model& m = body.model;
     stiffness_action(m, x, d, body.work, threads, out);
     // Viscous forces: their change with the rate of strain, taken as that of the elastic ones.

@@ -55,7 +55,6 @@ public:
     DynamicBody& body;
     const Surroundings& around;
     const Threads& threads;
-    std::size_t evaluations = 0;  ///< of gradients and actions
 
 private:
     double stiffness_damping() const { return velocity_share > 0 ? around.stiffness_damping : 0; }

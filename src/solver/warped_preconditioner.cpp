@@ -56,7 +56,6 @@ void WarpedPreconditioner::turn(std::span<const Vec3> x, const Threads& threads)
 }
 
 void WarpedPreconditioner::apply(const std::vector<Vec3>& r, std::vector<Vec3>& z, const Threads& threads) {
-    ++applications;
     // Residuals get small beyond the range of single precision: they are scaled to one.
     const double size = std::sqrt(inner(r, r, threads));
     if (!(size > 0) || !std::isfinite(size)) return std::fill(z.begin(), z.end(), Vec3{});

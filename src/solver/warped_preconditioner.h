@@ -19,8 +19,6 @@ public:
     void turn(std::span<const Vec3> x, const Threads& threads);
     void apply(const std::vector<Vec3>& r, std::vector<Vec3>& z, const Threads& threads);
 
-    std::size_t applications = 0;
-
 private:
     const Model& model_;
     RestMultigrid multigrid_;
