@@ -79,7 +79,7 @@ struct BodySettings {
     /// incompressible material does not lock. Nothing: where Poisson's ratio is above 0.47.
     std::optional<bool> mean_dilatation{};
 
-    bool consistency_correction = true;  ///< exact patch test on clipped cells (method.md section 2)
+    bool consistency_correction = true;  ///< exact patch test on clipped cells (docs/stages/consistency.md)
     double stabilization = -1;           ///< strength; -1: 0.2 with grid quadrature, 0.15 with nodes; 0: none
 };
 

@@ -1,9 +1,5 @@
 #include "forces/stiffness_diagonal.h"
 
-#include <map>
-
-#include "forces/mean_dilatation.h"
-
 namespace phyxel {
 namespace {
 
@@ -16,8 +12,7 @@ void add_elastic(const Model& m, std::vector<Mat3>& diagonal, const Threads& thr
     threads.for_each(st.blocks.size(), 1, [&](std::size_t b) {
         const Stencils::Block& block = st.blocks[b];
         for (std::uint32_t q = block.point_begin; q < block.point_end; ++q) {
-            const double mu = m.point_material(q).lame.mu;
-            const double lambda = shares_dilatation(m, q) ? 0 : m.point_material(q).lame.lambda;
+            const auto& [lambda, mu] = m.point_material(q).lame;
             const Vec3* g = &st.gradient[st.gradient_begin[q]] - st.offset[q];
             for (std::uint32_t k = st.offset[q]; k < st.offset[q + 1]; ++k)
                 slots[block.slot_begin + st.local[k]] +=
@@ -28,26 +23,6 @@ void add_elastic(const Model& m, std::vector<Mat3>& diagonal, const Threads& thr
         for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k)
             diagonal[i] += slots[st.node_slots[k]];
     });
-}
-
-/// lambda_c V_c g g^T of the mean gradients of cells that share a dilatation.
-void add_mean_dilatation(const Model& m, std::vector<Mat3>& diagonal) {
-    const Stencils& st = m.stencils;
-    std::vector<std::uint32_t> block_of(st.points());
-    for (std::uint32_t b = 0; b < st.blocks.size(); ++b)
-        for (std::uint32_t q = st.blocks[b].point_begin; q < st.blocks[b].point_end; ++q) block_of[q] = b;
-    std::map<std::uint32_t, Vec3> mean;
-    for (std::size_t c = 0; c + 1 < m.dilatation.offset.size(); ++c) {
-        mean.clear();
-        for (std::uint32_t at = m.dilatation.offset[c]; at < m.dilatation.offset[c + 1]; ++at) {
-            const std::uint32_t q = m.dilatation.points[at], first = st.blocks[block_of[q]].slot_begin;
-            for (std::uint32_t k = st.offset[q]; k < st.offset[q + 1]; ++k)
-                mean[st.slot_node[first + st.local[k]]] +=
-                    m.volumes[q] / m.dilatation.volume[c] * st.gradient[st.gradient_begin[q] + k - st.offset[q]];
-        }
-        for (const auto& [node, g] : mean)
-            diagonal[node] += m.dilatation.lambda[c] * m.dilatation.volume[c] * outer(g, g);
-    }
 }
 
 /// Squared columns of (I - Phi)^2, weighted by the stiffness of the filter.
@@ -95,7 +70,6 @@ void add_nodal(const Model& m, std::vector<Mat3>& diagonal) {
 std::vector<Mat3> stiffness_diagonal(const Model& m, const Threads& threads) {
     std::vector<Mat3> diagonal(m.rest.size());
     add_elastic(m, diagonal, threads);
-    if (!m.dilatation.empty()) add_mean_dilatation(m, diagonal);
     if (!m.filter_stiffness.empty()) add_filter(m, diagonal, threads);
     if (!m.nodal.kappa.empty()) add_nodal(m, diagonal);
     return diagonal;

@@ -58,7 +58,7 @@ std::string try_steps(Bodies bodies, const Surroundings& around, Integrator inte
             DynamicBody& b = *bodies[i];
             SolveReport solve;
             if (integrator == Integrator::statics) {
-                solve = find_equilibrium(b, around, time, time + duration, threads).solve;
+                solve = find_equilibrium(b, around, time, time + duration, threads);
             } else {
                 solve = implicit_step(b, around, scheme, time + k * dt, dt, threads);
             }

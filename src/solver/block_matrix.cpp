@@ -17,8 +17,7 @@ BlockMatrix BlockRows::compressed() const {
     for (const auto& entries : rows_) {
         for (const Entry& entry : entries) {
             matrix.column.push_back(entry.column);
-            Mat3f& value = matrix.value.emplace_back();
-            for (std::size_t r = 0; r < 3; ++r) value.rows[r] = vector_cast<float>(entry.value.rows[r]);
+            matrix.value.push_back(to_float(entry.value));
         }
         matrix.offset.push_back(matrix.column.size());
     }

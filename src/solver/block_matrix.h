@@ -9,6 +9,13 @@
 
 namespace phyxel {
 
+inline Mat3f to_float(const Mat3& A) {
+    return {{vector_cast<float>(A.rows[0]), vector_cast<float>(A.rows[1]), vector_cast<float>(A.rows[2])}};
+}
+inline Mat3 to_double(const Mat3f& A) {
+    return {{vector_cast<double>(A.rows[0]), vector_cast<double>(A.rows[1]), vector_cast<double>(A.rows[2])}};
+}
+
 /// Sparse matrix of 3x3 blocks in single precision, row by row, columns ascending.
 struct BlockMatrix {
     std::vector<std::size_t> offset{0};  ///< [rows + 1] into the rest

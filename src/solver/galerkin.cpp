@@ -4,8 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "forces/mean_dilatation.h"
-
 namespace phyxel {
 namespace {
 
@@ -63,14 +61,14 @@ public:
         used_.resize(nodes.size());
     }
 
-    /// Adds `weight` times the gradients of point q.
-    void add(std::uint32_t q, double weight) {
+    /// Adds the gradients of point q.
+    void add(std::uint32_t q) {
         const Stencils& st = m_.stencils;
         for (std::uint32_t k = st.offset[q]; k < st.offset[q + 1]; ++k) {
             const Vec3& g = st.gradient[st.gradient_begin[q] + k - st.offset[q]];
             const std::uint32_t slot = st.local[k];
             const Vec3& mask = free_[st.slot_node[block_.slot_begin + slot]];
-            const Mat3 masked = {{mask.x * weight * g, mask.y * weight * g, mask.z * weight * g}};
+            const Mat3 masked = {{mask.x * g, mask.y * g, mask.z * g}};
             for (std::uint32_t p = parents_offset_[slot]; p < parents_offset_[slot + 1]; ++p) {
                 const std::uint32_t I = parents_[p].node;
                 if (!used_[I]) used_[I] = true, touched_.push_back(I);
@@ -110,50 +108,15 @@ private:
     std::vector<CoarseGradient> stencil_;
 };
 
-Mat3 to_double(const Mat3f& A) {
-    return {{vector_cast<double>(A.rows[0]), vector_cast<double>(A.rows[1]), vector_cast<double>(A.rows[2])}};
-}
-
-/// Points that share a mean dilatation have none of their own.
-Lame own_lame(const Model& m, std::uint32_t q) {
-    const Lame& lame = m.point_material(q).lame;
-    return shares_dilatation(m, q) ? Lame{0, lame.mu} : lame;
-}
-
 BlockStiffness block_stiffness(const Model& m, const Stencils::Block& block, const Coarsening& coarse,
                                std::span<const Vec3> free) {
     CoarseStencils stencils(m, block, coarse, free);
     BlockStiffness result{stencils.nodes, std::vector<Mat3>(stencils.nodes.size() * stencils.nodes.size())};
     for (std::uint32_t q = block.point_begin; q < block.point_end; ++q) {
-        stencils.add(q, 1);
-        result.add(stencils.take(), m.volumes[q], own_lame(m, q));
+        stencils.add(q);
+        result.add(stencils.take(), m.volumes[q], m.point_material(q).lame);
     }
     return result;
-}
-
-/// lambda_c V_c g g^T of the mean gradients of dilatation cells; their points may lie in several blocks.
-void add_mean_dilatation(const Model& m, const Coarsening& coarse, std::span<const Vec3> free, BlockRows& rows) {
-    const Stencils& st = m.stencils;
-    std::vector<std::uint32_t> block_of(st.points());
-    for (std::uint32_t b = 0; b < st.blocks.size(); ++b)
-        for (std::uint32_t q = st.blocks[b].point_begin; q < st.blocks[b].point_end; ++q) block_of[q] = b;
-    const SparseRows& P = coarse.prolongation;
-    for (std::size_t c = 0; c + 1 < m.dilatation.offset.size(); ++c) {
-        std::map<std::uint32_t, Vec3> mean;
-        for (std::uint32_t at = m.dilatation.offset[c]; at < m.dilatation.offset[c + 1]; ++at) {
-            const std::uint32_t q = m.dilatation.points[at];
-            for (std::uint32_t k = st.offset[q]; k < st.offset[q + 1]; ++k) {
-                const std::uint32_t i = st.slot_node[st.blocks[block_of[q]].slot_begin + st.local[k]];
-                const Vec3& g = st.gradient[st.gradient_begin[q] + k - st.offset[q]];
-                const Vec3 share =
-                    m.volumes[q] / m.dilatation.volume[c] * Vec3{free[i].x * g.x, free[i].y * g.y, free[i].z * g.z};
-                for (std::uint32_t p = P.offset[i]; p < P.offset[i + 1]; ++p) mean[P.column[p]] += P.value[p] * share;
-            }
-        }
-        const double weight = m.dilatation.lambda[c] * m.dilatation.volume[c];
-        for (const auto& [I, a] : mean)
-            for (const auto& [J, b] : mean) rows.add(I, J, weight * outer(a, b));
-    }
 }
 
 }  // namespace
@@ -216,7 +179,6 @@ BlockRows galerkin_stiffness(const Model& m, const Coarsening& coarse, std::span
                     if (!(K == Mat3{})) rows.add(part.nodes[I], part.nodes[J], K);
                 }
     }
-    if (!m.dilatation.empty()) add_mean_dilatation(m, coarse, free, rows);
     return rows;
 }
 

@@ -21,7 +21,7 @@ struct Coarsening {
 Coarsening coarsen(std::span<const Vec3> places);
 
 /// P^T K P of the stiffness at rest, K without the stabilization, which smooth fields hardly feel. `free` [nodes] masks
-/// held components. Assembled from coarse stencils, sum_i P_iI g_qi, not from K.
+/// held components. Assembled from coarse stencils, sum_i P_iI g_qi, not from K. The model shares no dilatations.
 BlockRows galerkin_stiffness(const Model& model, const Coarsening& coarse, std::span<const Vec3> free,
                              const Threads& threads);
 

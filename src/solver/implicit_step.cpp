@@ -45,12 +45,10 @@ double step_energy(DynamicBody& b, const Surroundings& around, const Threads& th
 
 SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
                   const SolveTolerance& bound) {
-    const std::vector<Vec3> guess = x;
     SolveReport report = l_bfgs(potential, preconditioner, x, bound, most_iterations);
     if (report.converged) return report;
     // Newton's method from where L-BFGS got, else from where the body was.
-    SolveReport again = newton(potential, preconditioner, x, bound, NewtonSteps::guarded, most_newton);
-    report.add(again);
+    report.add(newton(potential, preconditioner, x, bound, NewtonSteps::guarded, most_newton));
     if (report.converged) return report;
     x = potential.start;
     potential.body.constraints.place_held(potential.time, x);
@@ -73,7 +71,6 @@ SolveReport implicit_step(DynamicBody& b, const Surroundings& around, ImplicitSc
     const double drag = d.a0 / dt + around.mass_damping;
     potential.inertia = drag * d.a0 / dt;
     potential.target.resize(n);
-    potential.velocity_offset.resize(n);
     threads.for_each(n, node_chunk, [&](std::size_t i) {
         potential.target[i] = past_x[i] / d.a0 + past_v[i] / (dt * potential.inertia);
         potential.velocity_offset[i] = past_x[i] / dt;

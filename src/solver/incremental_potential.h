@@ -18,7 +18,7 @@ class IncrementalPotential {
 public:
     IncrementalPotential(DynamicBody& body, const Surroundings& around, Precision precision, const Threads& threads);
 
-    /// Inertia: c = a0 (a0/dt + alpha)/dt for velocities v = (a0 x - past)/dt, see `TimeScheme`.
+    /// Inertia: c = a0 (a0/dt + alpha)/dt for velocities v = (a0 x - past)/dt (solver/implicit_step.cpp).
     double inertia = 0;                 ///< c [1/s^2]; 0 in statics
     std::vector<Vec3> target;           ///< [nodes]
     double velocity_share = 0;          ///< dv/dx = a0/dt [1/s]; 0 in statics
@@ -47,7 +47,6 @@ public:
     };
     Forces forces(std::span<const Vec3> x);
 
-    std::span<const Vec3> free() const { return free_; }
     std::size_t size() const { return free_.size(); }
     /// Norm of all forces that act from outside, for tolerances [N]: gravity and loads.
     double external_force(std::span<const Vec3> x);

@@ -30,14 +30,6 @@ Mat3 masked(const Mat3& A, const Vec3& free) {
     return result;
 }
 
-Mat3f rounded_to_float(const Mat3& A) {
-    return {{vector_cast<float>(A.rows[0]), vector_cast<float>(A.rows[1]), vector_cast<float>(A.rows[2])}};
-}
-
-Mat3 widened(const Mat3f& A) {
-    return {{vector_cast<double>(A.rows[0]), vector_cast<double>(A.rows[1]), vector_cast<double>(A.rows[2])}};
-}
-
 Mat3f diagonal_float(const Vec3& d) { return Mat3f::diagonal(vector_cast<float>(d)); }
 
 /// Places of the nodes from the lowest corner of the body, in spacings.
@@ -155,7 +147,7 @@ void RestMultigrid::set_supports(std::vector<Mat3> blocks) {
     for (std::uint32_t i = 0; i < blocks.size(); ++i) {
         if (!(blocks[i] == Mat3{})) {
             support.column.push_back(i);
-            support.value.push_back(rounded_to_float(masked(blocks[i], free_[i])));
+            support.value.push_back(to_float(masked(blocks[i], free_[i])));
         }
         support.offset.push_back(support.column.size());
     }
@@ -176,7 +168,7 @@ void RestMultigrid::assemble(std::size_t l) {
             diagonal[i] = stiffness_ * masked(diagonal_[i], free_[i]) + Mat3::diagonal(inertia_ * level.mass[i]);
         for (std::size_t i = 0; i < level.support.rows(); ++i)
             for (std::size_t k = level.support.offset[i]; k < level.support.offset[i + 1]; ++k)
-                diagonal[i] += widened(level.support.value[k]);
+                diagonal[i] += to_double(level.support.value[k]);
     } else {
         BlockMatrix& sum = level.sum;
         sum = level.stiffness;
@@ -198,7 +190,7 @@ void RestMultigrid::assemble(std::size_t l) {
                     if (at < end && sum.column[at] == level.support.column[k]) sum.value[at] += level.support.value[k];
                 }
             const std::size_t at = place(static_cast<std::uint32_t>(i));
-            if (at < end && sum.column[at] == i) diagonal[i] = widened(sum.value[at]);
+            if (at < end && sum.column[at] == i) diagonal[i] = to_double(sum.value[at]);
         }
     }
     if (l + 1 < levels_.size()) level.jacobi = BlockJacobi(diagonal, level.patches);

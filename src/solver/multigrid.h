@@ -1,8 +1,6 @@
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "forces/fast_forces.h"
@@ -16,7 +14,7 @@ namespace phyxel {
 /// over block Jacobi, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and positive
 /// definite. Held components stay zero.
 ///
-/// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedMultigrid`).
+/// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedPreconditioner`).
 class RestMultigrid {
 public:
     /// `fast`: null where the model has no forces in single precision.

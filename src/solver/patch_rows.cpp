@@ -75,8 +75,7 @@ BlockJacobi::BlockJacobi(std::span<const Mat3> diagonal, const PatchRows& patche
         for (std::size_t d = 0; d < 3; ++d)
             if (live[d] == 0) inverted(d, d) = 0;
         inverses.push_back(inverted);
-        Mat3f& rounded = inverse_.emplace_back();
-        for (std::size_t d = 0; d < 3; ++d) rounded.rows[d] = vector_cast<float>(inverted.rows[d]);
+        inverse_.push_back(to_float(inverted));
     }
     if (patches.empty()) return;
     patches_ = std::make_unique<Patches>();

@@ -87,14 +87,13 @@ SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& precond
 
 }  // namespace
 
-StaticReport find_equilibrium(DynamicBody& b, const Surroundings& around, double start, double end,
-                              const Threads& threads) {
-    StaticReport report;
+SolveReport find_equilibrium(DynamicBody& b, const Surroundings& around, double start, double end,
+                             const Threads& threads) {
+    SolveReport report;
     if (!is_held(b)) {
-        report.solve.trouble =
+        report.trouble =
             "its fixes leave it free to move or to turn as a whole, so that it has no equilibrium of its own: hold "
-            "more of "
-            "it, or use \"implicit-euler\" with damping";
+            "more of it, or use \"implicit-euler\" with damping";
         return report;
     }
     set_contact_stiffness(b, std::numeric_limits<double>::infinity());
@@ -108,17 +107,15 @@ StaticReport find_equilibrium(DynamicBody& b, const Surroundings& around, double
         potential.load_time = end;
         potential.load_share = carried + share * (1 - carried);
         const SolveReport solved = solve(potential, preconditioner, x);
-        report.solve.add(solved);
+        report.add(solved);
         if (solved.converged) {
             done = share;
-            ++report.load_steps;
             continue;
         }
         step /= 2;
         if (step < shortest_load_step) {
-            report.solve.trouble = "no equilibrium was found beyond " + format_number(100 * done) +
-                                   " % of the load, even in steps of " + format_number(100 * step) +
-                                   " %: " + solved.trouble;
+            report.trouble = "no equilibrium was found beyond " + format_number(100 * done) +
+                             " % of the load, even in steps of " + format_number(100 * step) + " %: " + solved.trouble;
             return report;
         }
     }
