@@ -17,7 +17,7 @@ namespace {
 constexpr double spacings[] = {0.1 / 3, 0.1 / 4, 0.1 / 5, 0.1 / 7, 0.1 / 9, 0.1 / 14};
 constexpr double seconds_a_measurement = 0.3;
 
-struct Row {
+struct KernelRow {
     std::size_t nodes = 0, points = 0, pairs = 0;
     double uniform_share = 0;  ///< of chunks
     double bytes = 0;          ///< of gradients and indices
@@ -54,7 +54,7 @@ double shortest_call(Work&& work) {
     return shortest(std::max(5, static_cast<int>(seconds_a_measurement / once)), work);
 }
 
-Row measure(double spacing, const Threads& threads) {
+KernelRow measure(double spacing, const Threads& threads) {
     const Model model = beam_model(spacing, threads);
     const CellBlocks blocks(model, threads);
     const CellBlocks loose(model, threads, 1e-2);
@@ -63,7 +63,7 @@ Row measure(double spacing, const Threads& threads) {
     std::vector<Vec3f> d, out(x.size());
     for (const Vec3& v : x) d.push_back(vector_cast<float>(v));
 
-    Row row;
+    KernelRow row;
     row.nodes = x.size();
     row.points = model.stencils.points();
     row.pairs = model.stencils.pairs();
@@ -88,10 +88,10 @@ double peak_flops() {
     return flops / shortest(2000, [&] { run_float_peak(best_instructions(), rounds); });
 }
 
-void print_json(const std::vector<Row>& rows, double peak, int threads) {
+void print_json(const std::vector<KernelRow>& rows, double peak, int threads) {
     nlohmann::ordered_json json;
     json["kernel"] = {{"peak_flops_a_core", peak}, {"threads", threads}};
-    for (const Row& row : rows)
+    for (const KernelRow& row : rows)
         json["kernel"]["rows"].push_back({{"nodes", row.nodes},
                                           {"points", row.points},
                                           {"pairs", row.pairs},
@@ -106,18 +106,20 @@ void print_json(const std::vector<Row>& rows, double peak, int threads) {
     fmt::print("{}\n", json.dump(2));
 }
 
-void print_table(const std::vector<Row>& rows, double peak, int threads) {
+void print_table(const std::vector<KernelRow>& rows, double peak, int threads) {
     fmt::print(
         "Forces of the 0.1 x 0.1 x 1 m beam in single precision, corotated, {} thread{}; peak {:.1f} GFlop/s a "
         "core\n\n",
         threads, threads == 1 ? "" : "s", 1e-9 * peak);
-    const auto share = [&](const Row& row, double seconds) { return 100 * row.flops(seconds) / (peak * threads); };
+    const auto share = [&](const KernelRow& row, double seconds) {
+        return 100 * row.flops(seconds) / (peak * threads);
+    };
     fmt::print(
         "                          stiffness at rest                |    with 1e-2     | forces  energy | double\n");
     fmt::print(
         " nodes uniform     MB |      ms  ns/point GFlop/s   peak |      ms    peak |     ms      ms |     ms   "
         "ratio\n");
-    for (const Row& r : rows)
+    for (const KernelRow& r : rows)
         fmt::print(
             "{:>6} {:>6.0f}% {:>6.1f} | {:>7.3f} {:>9.1f} {:>7.1f} {:>5.0f}% | {:>7.3f} {:>6.0f}% | {:>6.3f} {:>7.3f} "
             "| {:>6.3f} {:>7.1f}\n",
@@ -132,7 +134,7 @@ void print_table(const std::vector<Row>& rows, double peak, int threads) {
 int run_kernel(const Options& options) {
     const Threads threads(options.threads > 0 ? options.threads : 1);
     const double peak = peak_flops();
-    std::vector<Row> rows;
+    std::vector<KernelRow> rows;
     for (const double spacing : spacings) rows.push_back(measure(spacing, threads));
     if (options.as_json) print_json(rows, peak, threads.count());
     else print_table(rows, peak, threads.count());

@@ -23,7 +23,7 @@ constexpr Vec3 gravity = {0, -9.81, 0};
 
 Material rubber() { return saint_venant_kirchhoff({.density = 1000, .youngs_modulus = 1e5, .poissons_ratio = 0.3}); }
 
-struct Row {
+struct TableRow {
     std::size_t nodes = 0, pairs = 0;
     double mean_neighbors = 0;
     double thesis_per_second = 0, ours_per_second = 0;
@@ -60,7 +60,7 @@ double thread_seconds() {
 }
 
 /// Leap-frog steps a second of each body, internal forces and gravity included; fills in the pairs too.
-void measure_steps(std::vector<Row>& rows) {
+void measure_steps(std::vector<TableRow>& rows) {
     const Threads threads(1);
     const Surroundings around{gravity, 0, 0, {}};
     std::vector<DynamicBody> bodies;
@@ -99,23 +99,23 @@ struct LinearFit {
     double fixed = 0, per_pair = 0, r_squared = 0;
 };
 
-LinearFit fit_time_to_pairs(const std::vector<Row>& rows) {
+LinearFit fit_time_to_pairs(const std::vector<TableRow>& rows) {
     const auto mean = [&](auto&& value) {
         double sum = 0;
-        for (const Row& row : rows) sum += value(row);
+        for (const TableRow& row : rows) sum += value(row);
         return sum / static_cast<double>(rows.size());
     };
-    const auto pairs = [](const Row& row) { return static_cast<double>(row.pairs); };
-    const double x = mean(pairs), t = mean([](const Row&row) { return row.step_seconds(); });
-    const double xx = mean([&](const Row& row) { return (pairs(row) - x) * (pairs(row) - x); });
-    const double xt = mean([&](const Row& row) { return (pairs(row) - x) * (row.step_seconds() - t); });
-    const double tt = mean([&](const Row& row) { return (row.step_seconds() - t) * (row.step_seconds() - t); });
+    const auto pairs = [](const TableRow& row) { return static_cast<double>(row.pairs); };
+    const double x = mean(pairs), t = mean([](const TableRow&row) { return row.step_seconds(); });
+    const double xx = mean([&](const TableRow& row) { return (pairs(row) - x) * (pairs(row) - x); });
+    const double xt = mean([&](const TableRow& row) { return (pairs(row) - x) * (row.step_seconds() - t); });
+    const double tt = mean([&](const TableRow& row) { return (row.step_seconds() - t) * (row.step_seconds() - t); });
     return {t - xt / xx * x, xt / xx, xt * xt / (xx * tt)};
 }
 
-void print_json(const std::vector<Row>& rows, const LinearFit& fit) {
+void print_json(const std::vector<TableRow>& rows, const LinearFit& fit) {
     nlohmann::ordered_json json;
-    for (const Row& row : rows) {
+    for (const TableRow& row : rows) {
         nlohmann::ordered_json entry = {{"nodes", row.nodes},
                                         {"mean_neighbors", row.mean_neighbors},
                                         {"thesis_frames_per_second", row.thesis_per_second},
@@ -129,12 +129,12 @@ void print_json(const std::vector<Row>& rows, const LinearFit& fit) {
     fmt::print("{}\n", json.dump(2));
 }
 
-void print_table(const std::vector<Row>& rows, const LinearFit& fit) {
+void print_table(const std::vector<TableRow>& rows, const LinearFit& fit) {
     const bool reference = rows.front().reference_per_second > 0;
     fmt::print("Table 5.1 of the 2008 thesis: leap-frog steps a second, double precision, one thread\n\n");
     fmt::print("{:>6} {:>10} {:>9} {:>10} {:>10} {:>7}{}\n", "nodes", "neighbours", "pairs", "thesis/s", "phyxel/s",
                "ratio", reference ? "  listing/s" : "");
-    for (const Row& row : rows) {
+    for (const TableRow& row : rows) {
         fmt::print("{:>6} {:>10.1f} {:>9} {:>10.1f} {:>10.0f} {:>7.0f}", row.nodes, row.mean_neighbors, row.pairs,
                    row.thesis_per_second, row.ours_per_second, row.ratio());
         if (reference) fmt::print(" {:>10.2f}", row.reference_per_second);
@@ -147,7 +147,7 @@ void print_table(const std::vector<Row>& rows, const LinearFit& fit) {
 }  // namespace
 
 int run_table_5_1(const Options& options) {
-    std::vector<Row> rows(table_5_1.size());
+    std::vector<TableRow> rows(table_5_1.size());
     measure_steps(rows);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const TableBody& body = table_5_1[i];

@@ -147,7 +147,7 @@ Mat3 transformation(const Body& body, const Stencil& point, const std::vector<do
     return A;
 }
 
-Mat3 polar_rotation(const Mat3& A) {
+Mat3 rotation_factor(const Mat3& A) {
     // Newton's method for R^T R = I, scaled to unit size first (Higham, SIAM J. Sci. Stat. Comput. 7, 1986, 1160).
     assert(determinant(A) > 0);
     Mat3 R = 1 / std::cbrt(determinant(A)) * A;
@@ -164,8 +164,8 @@ std::vector<Mat3> rotations(const Body& body, const std::vector<Vec3>& x, Rotati
     const std::vector<double> volumes = node_volumes(body);
     std::vector<Mat3> R;
     for (const Stencil& point : body.points)
-        R.push_back(polar_rotation(rotation == Rotation::printed ? transformation(body, point, volumes, x)
-                                                                 : deformation_gradient(point, x)));
+        R.push_back(rotation_factor(rotation == Rotation::printed ? transformation(body, point, volumes, x)
+                                                                  : deformation_gradient(point, x)));
     return R;
 }
 
@@ -184,7 +184,7 @@ std::vector<Vec3> forces(const Body& body, const std::vector<Vec3>& x, Rotation 
 double energy(const Body& body, const std::vector<Vec3>& x) {
     double U = 0;
     for (const Stencil& point : body.points) {
-        const Mat3 R = polar_rotation(deformation_gradient(point, x));
+        const Mat3 R = rotation_factor(deformation_gradient(point, x));
         const Six eps = corotated_strain(body, point, x, R), sigma = stress(body, eps);
         for (std::size_t k = 0; k < 6; ++k) U += 0.5 * point.volume * sigma[k] * eps[k];
     }

@@ -51,7 +51,7 @@ Mat3 transformation(const Body& body, const Stencil& point, const std::vector<do
                     const std::vector<Vec3>& x);
 
 /// Rotation R of A = R S. The determinant must be positive.
-Mat3 polar_rotation(const Mat3& A);
+Mat3 rotation_factor(const Mat3& A);
 
 /// [points] R_I at positions x.
 std::vector<Mat3> rotations(const Body& body, const std::vector<Vec3>& x, Rotation rotation);

@@ -15,16 +15,16 @@ namespace phyxel::studies {
 namespace {
 
 constexpr Vec3 beam = {0.1, 0.1, 1};
-constexpr double duration = 10;  // [s]
+constexpr double swing_duration = 10;  // [s]
 
 /// The lengths of the steps, one by one.
 std::vector<double> step_lengths(const std::string& kind) {
     std::mt19937 random(2019);
     std::vector<double> lengths;
-    for (double time = 0; time < duration - 1e-9; time += lengths.back()) {
+    for (double time = 0; time < swing_duration - 1e-9; time += lengths.back()) {
         const double uniform = double(random()) / double(std::mt19937::max());
         const double length = kind == "1/60 s" ? 1.0 / 60 : kind == "0.5 s" ? 0.5 : std::pow(100.0, uniform) / 600;
-        lengths.push_back(std::min(length, duration - time));
+        lengths.push_back(std::min(length, swing_duration - time));
     }
     return lengths;
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double major = 0.1, minor = 0.04;  // [m]
 constexpr double youngs_modulus = 1e5;       // [Pa]
-constexpr double duration = 2;               // [s]
+constexpr double fall_duration = 2;          // [s]
 
 double lowest(const World& world, BodyId body) {
     const auto surface = world.surface(body).positions();
@@ -52,7 +52,7 @@ int run_torus_on_floor(const Options& options) {
     add_shape(world, body, "before", shapes);
     bool completed = true;
     double deepest = 1;
-    const int steps = int(std::lround(60 * duration));
+    const int steps = int(std::lround(60 * fall_duration));
     for (int step = 1; step <= steps; ++step) {
         const StepReport report = world.step();
         completed = completed && report.status == StepStatus::ok;

@@ -15,7 +15,6 @@ void add_run(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
-void add_later(CLI::App& app);  ///< `view`, which this version lacks
 
 /// The option `--threads N` that every command has.
 void add_threads(CLI::App& command, int& threads);

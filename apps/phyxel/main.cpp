@@ -6,7 +6,9 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <memory>
 #include <new>
 
 #include "commands.h"
@@ -28,13 +30,31 @@ std::string no_such_command(const CLI::App& app, const std::string& word) {
     return fmt::format("there is no command '{}'{}; see 'phyxel --help'", word, suggestion(word, names));
 }
 
+/// `view`, which this version lacks: it has its help, and refuses to work.
+void add_view(CLI::App& app) {
+    struct Arguments {
+        std::string scene, folder;
+        int threads = 0;
+    };
+    auto* command = app.add_subcommand("view", "Shows a scene in a window (not available yet)");
+    auto arguments = std::make_shared<Arguments>();
+    command->add_option("SCENE", arguments->scene);
+    command->add_option("-o,--output", arguments->folder, "Folder for the results")->type_name("DIR");
+    add_threads(*command, arguments->threads);
+    command->callback([arguments] {
+        throw Error(
+            "'phyxel view' is not available yet in this version; "
+            "use 'phyxel run SCENE --set output.formats=[\"mp4\"]' for a film");
+    });
+}
+
 int run_program(int argc, char** argv) {
     CLI::App app("Soft and breakable solids from bare surface meshes.", "phyxel");
     app.set_version_flag("--version", std::string("phyxel ") + version);
     app.require_subcommand(1);
     int exit_code = success;
     add_run(app, exit_code);
-    add_later(app);
+    add_view(app);
     add_check(app, exit_code);
     add_bench(app, exit_code);
     add_study(app, exit_code);
@@ -53,6 +73,19 @@ int run_program(int argc, char** argv) {
 }
 
 }  // namespace
+
+void add_threads(CLI::App& command, int& threads) {
+    command.add_option("--threads", threads, "Threads to use, 1 to 1024; the results do not depend on it")
+        ->type_name("N")
+        ->default_str("all of the machine's")
+        ->check([](const std::string& text) {
+            char* end = nullptr;
+            const long value = std::strtol(text.c_str(), &end, 10);
+            const bool good = !text.empty() && *end == '\0' && value >= 1 && value <= 1024;
+            return good ? std::string() : "found '" + text + "', expected a whole number from 1 to 1024";
+        });
+}
+
 }  // namespace phyxel::cli
 
 int main(int argc, char** argv) {

@@ -11,7 +11,7 @@ namespace {
 
 /// Blocks whose rows are summed side by side, so that what is computed for a point serves all of them.
 constexpr std::size_t blocks_a_group = 8;
-constexpr std::size_t blocks_a_chunk = 4;
+constexpr std::size_t block_rows_a_chunk = 4;
 
 /// row_j -= sum_k a_k f_k(j), entry j of a row being `place[j]` behind its first. (A version for AVX2 was slower: the
 /// compiler then gathers.)
@@ -146,7 +146,7 @@ private:
 
 void ConsistencyMatrix::multiply(const ConsistencyBlocks& blocks, std::span<const Vec3> x, std::span<Vec3> y,
                                  const Threads& threads) const {
-    threads.for_chunks(rows.size(), blocks_a_chunk, [&](std::size_t chunk_begin, std::size_t chunk_end) {
+    threads.for_chunks(rows.size(), block_rows_a_chunk, [&](std::size_t chunk_begin, std::size_t chunk_end) {
         std::vector<Vec3f> rest, product;
         for (std::size_t b = chunk_begin; b < chunk_end; ++b) {
             const auto [begin, end] = blocks.blocks[b];

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/largest_entry.h"
+
 namespace phyxel {
 namespace {
 
@@ -31,12 +33,6 @@ void rotate_plane(Mat3& A, Mat3& V, std::size_t p, std::size_t q) {
 }
 
 double off_diagonal(const Mat3& A) { return std::max({std::abs(A(0, 1)), std::abs(A(0, 2)), std::abs(A(1, 2))}); }
-
-double largest_entry(const Mat3& A) {
-    double largest = 0;
-    for (const Vec3& row : A.rows) largest = std::max({largest, std::abs(row.x), std::abs(row.y), std::abs(row.z)});
-    return largest;
-}
 
 }  // namespace
 

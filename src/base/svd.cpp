@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/largest_entry.h"
+
 namespace phyxel {
 namespace {
 
@@ -30,12 +32,6 @@ Vec3 any_perpendicular(const Vec3& a) {
     const double x = std::abs(a.x), y = std::abs(a.y), z = std::abs(a.z);
     const Vec3 axis = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
     return normalized(cross(a, axis));
-}
-
-double largest_entry(const Mat3& A) {
-    double largest = 0;
-    for (const Vec3& row : A.rows) largest = std::max({largest, std::abs(row.x), std::abs(row.y), std::abs(row.z)});
-    return largest;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace phyxel {
 namespace {
 
 constexpr int block_edge = 8;  ///< cells a block along each axis: its slots and one chunk fit the second-level cache
-constexpr std::size_t node_chunk = 512;
+constexpr std::size_t gathered_chunk = 512;
 constexpr std::size_t most_samples = 12;  ///< nodes that tell how a block is turned
 
 int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell) / block_edge; }
@@ -221,7 +221,7 @@ void CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& 
         }
     });
     const double unit = stiffness_ / length_;
-    threads.for_each(f.size(), node_chunk, [&](std::size_t i) {
+    threads.for_each(f.size(), gathered_chunk, [&](std::size_t i) {
         Vec3 sum{};
         for (std::uint32_t k = node_slot_offset_[i]; k < node_slot_offset_[i + 1]; ++k) {
             const Float4& v = f_[node_slots_[k]];
@@ -252,7 +252,7 @@ void CellBlocks::rest_action(const Model&, std::span<const Vec3f> d, const Threa
         run(b, CellTask::rest_action);
     });
     const auto unit = static_cast<float>(stiffness_ / (length_ * length_));
-    threads.for_each(out.size(), node_chunk, [&](std::size_t i) {
+    threads.for_each(out.size(), gathered_chunk, [&](std::size_t i) {
         Vec3f sum{};
         for (std::uint32_t k = node_slot_offset_[i]; k < node_slot_offset_[i + 1]; ++k) {
             const Float4& v = f_[node_slots_[k]];

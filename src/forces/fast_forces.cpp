@@ -5,7 +5,7 @@
 namespace phyxel {
 namespace {
 
-constexpr std::size_t chunk = 256;
+constexpr std::size_t fast_chunk = 256;  ///< nodes
 
 }  // namespace
 
@@ -43,7 +43,7 @@ Float4Lanes FastForces::product(const Rows& rows, std::size_t i, const std::vect
 void FastForces::filter(const Model& m, std::span<const Vec3> x, const Threads& threads) {
     // Positions are large against what the filter keeps of them: the first pass is in double.
     const SparseRows& rows = m.filter.rows;
-    threads.for_each(x.size(), chunk, [&](std::size_t i) {
+    threads.for_each(x.size(), fast_chunk, [&](std::size_t i) {
         Vec3 sum{};
         for (std::uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k)
             sum += rows.value[k] * (x[rows.column[k]] - x[i]);
@@ -53,17 +53,17 @@ void FastForces::filter(const Model& m, std::span<const Vec3> x, const Threads& 
 }
 
 void FastForces::filter_twice(const Threads& threads) {
-    threads.for_each(first_.size(), chunk,
+    threads.for_each(first_.size(), fast_chunk,
                      [&](std::size_t i) { reinterpret_cast<Float4Lanes&>(second_[i]) = product(rows_, i, first_); });
 }
 
 template <class Add>
 void FastForces::spread_filtered(const Threads& threads, Add&& add) {
-    threads.for_each(first_.size(), chunk,
+    threads.for_each(first_.size(), fast_chunk,
                      [&](std::size_t i) { reinterpret_cast<Float4Lanes&>(second_[i]) *= stiffness_[i]; });
-    threads.for_each(first_.size(), chunk,
+    threads.for_each(first_.size(), fast_chunk,
                      [&](std::size_t i) { reinterpret_cast<Float4Lanes&>(first_[i]) = product(columns_, i, second_); });
-    threads.for_each(first_.size(), chunk, [&](std::size_t i) {
+    threads.for_each(first_.size(), fast_chunk, [&](std::size_t i) {
         const Float4Lanes force = product(columns_, i, first_);
         add(i, Vec3f{force[0], force[1], force[2]});
     });
@@ -80,7 +80,7 @@ double FastForces::energy(const Model& m, std::span<const Vec3> x, const Threads
     double U = cells_.energy(m, x, threads);
     if (stiffness_.empty()) return U;
     filter(m, x, threads);
-    return U + 0.5 * threads.sum(x.size(), chunk, [&](std::size_t i) {
+    return U + 0.5 * threads.sum(x.size(), fast_chunk, [&](std::size_t i) {
         const float* u = second_[i].lane;
         return static_cast<double>(stiffness_[i]) * static_cast<double>(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     });
@@ -89,8 +89,8 @@ double FastForces::energy(const Model& m, std::span<const Vec3> x, const Threads
 void FastForces::rest_action(const Model& m, std::span<const Vec3f> d, const Threads& threads, std::span<Vec3f> out) {
     cells_.rest_action(m, d, threads, out);
     if (stiffness_.empty()) return;
-    threads.for_each(d.size(), chunk, [&](std::size_t i) { second_[i] = {{d[i].x, d[i].y, d[i].z, 0}}; });
-    threads.for_each(d.size(), chunk,
+    threads.for_each(d.size(), fast_chunk, [&](std::size_t i) { second_[i] = {{d[i].x, d[i].y, d[i].z, 0}}; });
+    threads.for_each(d.size(), fast_chunk,
                      [&](std::size_t i) { reinterpret_cast<Float4Lanes&>(first_[i]) = product(rows_, i, second_); });
     filter_twice(threads);
     spread_filtered(threads, [&](std::size_t i, const Vec3f& force) { out[i] += force; });

@@ -3,7 +3,7 @@
 namespace phyxel {
 namespace {
 
-constexpr std::size_t chunk = 256;
+constexpr std::size_t diagonal_chunk = 256;  ///< nodes
 
 /// V [lambda g g^T + mu (g g^T + |g|^2 I)] of all points, block by block.
 void add_elastic(const Model& m, std::vector<Mat3>& diagonal, const Threads& threads) {
@@ -19,7 +19,7 @@ void add_elastic(const Model& m, std::vector<Mat3>& diagonal, const Threads& thr
                     m.volumes[q] * ((lambda + mu) * outer(g[k], g[k]) + mu * norm_squared(g[k]) * Mat3::identity());
         }
     });
-    threads.for_each(diagonal.size(), chunk, [&](std::size_t i) {
+    threads.for_each(diagonal.size(), diagonal_chunk, [&](std::size_t i) {
         for (std::uint32_t k = st.node_slot_offset[i]; k < st.node_slot_offset[i + 1]; ++k)
             diagonal[i] += slots[st.node_slots[k]];
     });
@@ -28,7 +28,7 @@ void add_elastic(const Model& m, std::vector<Mat3>& diagonal, const Threads& thr
 /// Squared columns of (I - Phi)^2, weighted by the stiffness of the filter.
 void add_filter(const Model& m, std::vector<Mat3>& diagonal, const Threads& threads) {
     const SparseRows& columns = m.filter.columns;
-    threads.for_chunks(diagonal.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    threads.for_chunks(diagonal.size(), diagonal_chunk, [&](std::size_t begin, std::size_t end) {
         std::vector<double> column(diagonal.size());
         std::vector<std::uint32_t> touched;
         for (std::size_t i = begin; i < end; ++i) {

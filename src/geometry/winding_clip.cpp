@@ -23,15 +23,16 @@ void add_exposed_faces(const SubVoxels& voxels, const std::array<int, 3>& index,
     boundary.push_back(point);
 }
 
-struct Plane {
+/// What one plane of octants adds to the clip.
+struct OctantPlane {
     std::vector<Octant> octants;
     std::vector<SurfacePoint> boundary;
 };
 
-Plane collect_plane(const SubVoxels& voxels, int i) {
+OctantPlane collect_plane(const SubVoxels& voxels, int i) {
     const OctantGrid& grid = voxels.grid;
     const double whole = grid.pitch * grid.pitch * grid.pitch;
-    Plane plane;
+    OctantPlane plane;
     grid.visit_plane(i, [&](const std::array<int, 3>& index, std::size_t octant) {
         const Mask mask = voxels.masks[octant];
         if (mask == sub_voxel::none) return;
@@ -50,14 +51,14 @@ ClippedVolume clip_by_winding_number(const TriangleMesh& mesh, const WindingNumb
     const auto shared = std::make_shared<const SubVoxels>(make_sub_voxels(mesh, winding, pitch, threads));
     const SubVoxels& voxels = *shared;
     const int first = voxels.grid.first[0];
-    std::vector<Plane> planes(static_cast<std::size_t>(voxels.grid.extent[0]));
+    std::vector<OctantPlane> planes(static_cast<std::size_t>(voxels.grid.extent[0]));
     voxels.grid.for_planes(threads,
                            [&](int i) { planes[static_cast<std::size_t>(i - first)] = collect_plane(voxels, i); });
 
     ClippedVolume clip;
     clip.pitch = pitch;
     clip.sub_voxels = shared;
-    for (const Plane& plane : planes) {
+    for (const OctantPlane& plane : planes) {
         clip.octants.insert(clip.octants.end(), plane.octants.begin(), plane.octants.end());
         clip.boundary.insert(clip.boundary.end(), plane.boundary.begin(), plane.boundary.end());
     }

@@ -12,27 +12,26 @@
 
 #include "base/atomic_file.h"
 #include "io/finite_values.h"
+#include "io/glb_container.h"
 #include "phyxel/error.h"
 #include "phyxel/version.h"
 
 namespace phyxel {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little endian; numbers are written as they lie");
 
-// Names that glTF takes from OpenGL, and the words of its binary container.
+// Names that glTF takes from OpenGL.
 constexpr int gl_unsigned_int = 5125, gl_float = 5126, gl_array_buffer = 34962, gl_element_array_buffer = 34963;
-constexpr std::uint32_t container_magic = 0x46546C67, container_version = 2;
-constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 
 /// Room left for the index below the 4 GiB that the container's lengths allow: about 600 bytes a body and frame, so
 /// enough for any animation whose data fits.
 constexpr std::uint64_t largest_file = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t index_size_of_target = 600;
 
-Json as_json(const Vec3f& v) { return Json::array({v.x, v.y, v.z}); }
+OrderedJson as_json(const Vec3f& v) { return OrderedJson::array({v.x, v.y, v.z}); }
 
 std::array<Vec3f, 2> extents_of(std::span<const Vec3f> points) {
     constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -50,8 +49,8 @@ std::array<Vec3f, 2> extents_of(std::span<const Vec3f> points) {
 class ArrayIndex {
 public:
     /// Opens a view of `size` bytes behind the last one.
-    void add_view(std::uint64_t size, Json properties) {
-        Json view = {{"buffer", 0}, {"byteOffset", end_}, {"byteLength", size}};
+    void add_view(std::uint64_t size, OrderedJson properties) {
+        OrderedJson view = {{"buffer", 0}, {"byteOffset", end_}, {"byteLength", size}};
         view.update(properties);
         views_.push_back(std::move(view));
         end_ += size;
@@ -60,26 +59,26 @@ public:
 
     /// An array in the last view, behind the one before; gives its number.
     std::size_t add_array(int component_type, const char* type, std::size_t count, std::size_t value_size,
-                          Json properties = Json::object()) {
-        Json accessor = {{"bufferView", views_.size() - 1},
-                         {"byteOffset", offset_},
-                         {"componentType", component_type},
-                         {"count", count},
-                         {"type", type}};
+                          OrderedJson properties = OrderedJson::object()) {
+        OrderedJson accessor = {{"bufferView", views_.size() - 1},
+                                {"byteOffset", offset_},
+                                {"componentType", component_type},
+                                {"count", count},
+                                {"type", type}};
         accessor.update(properties);
         accessors_.push_back(std::move(accessor));
         offset_ += count * value_size;
         return accessors_.size() - 1;
     }
 
-    void move_into(Json& root) {
+    void move_into(OrderedJson& root) {
         root["accessors"] = std::move(accessors_);
         root["bufferViews"] = std::move(views_);
-        root["buffers"] = Json::array({{{"byteLength", end_}}});
+        root["buffers"] = OrderedJson::array({{{"byteLength", end_}}});
     }
 
 private:
-    Json views_ = Json::array(), accessors_ = Json::array();
+    OrderedJson views_ = OrderedJson::array(), accessors_ = OrderedJson::array();
     std::uint64_t end_ = 0, offset_ = 0;
 };
 
@@ -147,9 +146,9 @@ std::uint64_t GlbWriter::size_bound(std::size_t frames) const {
 
 /// The JSON part: nodes, meshes with their targets, the animation, and where the arrays lie.
 std::string GlbWriter::index(std::size_t weights) const {
-    Json root = {{"asset", {{"version", "2.0"}, {"generator", fmt::format("phyxel {}", version)}}},
-                 {"scene", 0},
-                 {"scenes", Json::array({{{"nodes", Json::array()}}})}};
+    OrderedJson root = {{"asset", {{"version", "2.0"}, {"generator", fmt::format("phyxel {}", version)}}},
+                        {"scene", 0},
+                        {"scenes", OrderedJson::array({{{"nodes", OrderedJson::array()}}})}};
     ArrayIndex arrays;
 
     // Bodies: indices, then positions and normals of every frame, in turn.
@@ -160,7 +159,7 @@ std::string GlbWriter::index(std::size_t weights) const {
             arrays.add_array(gl_unsigned_int, "SCALAR", 3 * body.triangles.size(), sizeof(std::uint32_t));
         arrays.add_view(2 * sizeof(Vec3f) * body.vertices * body.shapes.size(),
                         {{"byteStride", sizeof(Vec3f)}, {"target", gl_array_buffer}});
-        Json attributes = Json::array();
+        OrderedJson attributes = OrderedJson::array();
         for (const Shape& shape : body.shapes) {
             const std::size_t positions =
                 arrays.add_array(gl_float, "VEC3", body.vertices, sizeof(Vec3f),
@@ -168,9 +167,9 @@ std::string GlbWriter::index(std::size_t weights) const {
             const std::size_t normals = arrays.add_array(gl_float, "VEC3", body.vertices, sizeof(Vec3f));
             attributes.push_back({{"POSITION", positions}, {"NORMAL", normals}});
         }
-        Json primitive = {{"attributes", attributes[0]}, {"indices", indices}, {"material", b}};
+        OrderedJson primitive = {{"attributes", attributes[0]}, {"indices", indices}, {"material", b}};
         attributes.erase(0);
-        Json mesh = {{"name", body.name}, {"primitives", Json::array()}};
+        OrderedJson mesh = {{"name", body.name}, {"primitives", OrderedJson::array()}};
         if (!attributes.empty()) {
             mesh["weights"] = std::vector<int>(attributes.size(), 0);
             primitive["targets"] = std::move(attributes);
@@ -189,22 +188,22 @@ std::string GlbWriter::index(std::size_t weights) const {
 
     // The animation: the same times and weights drive the targets of every body.
     if (weights > 0) {
-        arrays.add_view(sizeof(float) * times_.size(), Json::object());
-        const std::size_t input =
-            arrays.add_array(gl_float, "SCALAR", times_.size(), sizeof(float),
-                             {{"min", Json::array({times_.front()})}, {"max", Json::array({times_.back()})}});
-        arrays.add_view(sizeof(float) * weights, Json::object());
+        arrays.add_view(sizeof(float) * times_.size(), OrderedJson::object());
+        const std::size_t input = arrays.add_array(
+            gl_float, "SCALAR", times_.size(), sizeof(float),
+            {{"min", OrderedJson::array({times_.front()})}, {"max", OrderedJson::array({times_.back()})}});
+        arrays.add_view(sizeof(float) * weights, OrderedJson::object());
         const std::size_t output = arrays.add_array(gl_float, "SCALAR", weights, sizeof(float));
-        Json channels = Json::array();
+        OrderedJson channels = OrderedJson::array();
         for (std::size_t b = 0; b < bodies_.size(); ++b)
             channels.push_back({{"sampler", 0}, {"target", {{"node", b}, {"path", "weights"}}}});
         root["animations"].push_back(
             {{"name", "simulation"},
-             {"samplers", Json::array({{{"input", input}, {"interpolation", "LINEAR"}, {"output", output}}})},
+             {"samplers", OrderedJson::array({{{"input", input}, {"interpolation", "LINEAR"}, {"output", output}}})},
              {"channels", std::move(channels)}});
     }
     arrays.move_into(root);
-    std::string text = root.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = root.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     return text;
 }
@@ -222,10 +221,10 @@ void GlbWriter::finish() const {
     const std::uint64_t size = 12 + 8 + text.size() + 8 + data;
 
     AtomicFile file(path_);
-    file.write_value(std::array{container_magic, container_version, static_cast<std::uint32_t>(size)});
-    file.write_value(std::array{static_cast<std::uint32_t>(text.size()), json_chunk});
+    file.write_value(std::array{glb::magic, glb::version, static_cast<std::uint32_t>(size)});
+    file.write_value(std::array{static_cast<std::uint32_t>(text.size()), glb::json_chunk});
     file.write(text);
-    file.write_value(std::array{static_cast<std::uint32_t>(data), binary_chunk});
+    file.write_value(std::array{static_cast<std::uint32_t>(data), glb::binary_chunk});
     for (const Body& body : bodies_) {
         file.write_values(std::span<const Triangle>(body.triangles));
         for (const Shape& shape : body.shapes) file.write_values(std::span(shape.vectors));

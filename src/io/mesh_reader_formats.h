@@ -50,6 +50,13 @@ TriangleMesh triangulate(const PolygonMesh& polygons, const MeshFile& file);
 /// plane that suits it best. A polygon that crosses itself gets as many triangles, in some order.
 std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(const std::vector<Vec3>& corners);
 
+/// The little-endian value of a binary file at `offset`; floats come as their bits.
+inline std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
+    std::uint32_t value = 0;
+    for (std::size_t k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[offset + k]);
+    return value;
+}
+
 /// `token` for a message: in quotes, shortened, without control characters.
 std::string in_quotes(std::string_view token);
 

@@ -3,19 +3,13 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "io/glb_container.h"
+
 namespace phyxel {
 
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
-
-std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
-    std::uint32_t value = 0;
-    for (std::size_t k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[offset + k]);
-    return value;
-}
 
 /// The JSON text of the file, and its binary chunk.
 struct Chunks {
@@ -35,12 +29,12 @@ Chunks split_glb(const MeshFile& file) {
     require(length <= bytes.size(), 8, "the GLB header announces more bytes than the file has");
     const std::size_t json_length = u32_at(bytes, 12);
     require(length >= 20 && json_length <= length - 20, 12, "the JSON chunk is longer than the file");
-    require(u32_at(bytes, 16) == json_chunk, 16, "expected a JSON chunk");
+    require(u32_at(bytes, 16) == glb::json_chunk, 16, "expected a JSON chunk");
     Chunks chunks{.json = std::string_view(bytes).substr(20, json_length), .binary = {}};
     const std::size_t next = 20 + (json_length + 3) / 4 * 4;
     if (next + 8 <= length) {
         require(u32_at(bytes, next) <= length - next - 8, next, "the binary chunk is longer than the file");
-        if (u32_at(bytes, next + 4) == binary_chunk)
+        if (u32_at(bytes, next + 4) == glb::binary_chunk)
             chunks.binary = std::string_view(bytes).substr(next + 8, u32_at(bytes, next));
     }
     return chunks;
@@ -235,7 +229,7 @@ private:
 }  // namespace
 
 void check_gltf(const MeshFile& file) {
-    const bool binary = file.bytes.size() >= 4 && u32_at(file.bytes, 0) == glb_magic;
+    const bool binary = file.bytes.size() >= 4 && u32_at(file.bytes, 0) == glb::magic;
     const Chunks chunks = binary ? split_glb(file) : Chunks{.json = file.bytes, .binary = {}};
     try {
         const Json root = Json::parse(chunks.json);

@@ -12,13 +12,6 @@ namespace {
 constexpr std::size_t header_size = 84;    // 80 bytes of anything, then the number of triangles
 constexpr std::size_t triangle_size = 50;  // a normal and three vertices as floats, and two bytes
 
-/// A little-endian value at `offset`; floats come as their bits.
-std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
-    std::uint32_t value = 0;
-    for (std::size_t k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[offset + k]);
-    return value;
-}
-
 bool starts_with_solid(const std::string& bytes) {
     const std::size_t first = bytes.find_first_not_of(" \t\r\n");
     return first != std::string::npos && bytes.compare(first, 5, "solid") == 0;
