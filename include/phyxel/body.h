@@ -80,6 +80,7 @@ struct BodySettings {
     std::optional<bool> mean_dilatation{};
 
     bool consistency_correction = true;  ///< exact patch test on clipped cells (docs/stages/consistency.md)
+    double friction = 0.5;               ///< Coulomb coefficient against other bodies: sqrt(mu_1 mu_2) between two
     double stabilization = -1;           ///< strength; -1: 0.2 with grid quadrature, 0.15 with nodes; 0: none
 };
 

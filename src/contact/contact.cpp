@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <set>
+
+#include "geometry/refined_mesh.h"
+#include "surface/embedded_surface.h"
 
 namespace phyxel {
 namespace {
@@ -14,52 +15,18 @@ constexpr int friction_sweeps = 10;        ///< of Gauss-Seidel; a body at rest 
 constexpr double friction_settled = 1e-3;  ///< largest change of slip in a sweep, against the first, that ends them
 constexpr int group_edge = 4;              ///< boxes of the lattice along the edge of a group of samples
 
-struct SamplePlaces {
-    std::vector<Vec3> position;  ///< lattice frame
-    std::vector<std::uint32_t> cell;
-};
-
-SamplePlaces place_samples(const Model& model, const TriangleMesh& mesh) {
-    const Sampling& s = model.sampling;
-    const double longest = 0.5 * s.pitch;
-    TriangleMesh moved = to_lattice(mesh, s.frame), large;
-    large.vertices = moved.vertices;
-
-    std::vector<Vec3> outward(moved.vertices.size());
-    std::set<std::pair<std::uint32_t, std::uint32_t>> edges_done;
-    SamplePlaces places;
-    const auto add = [&](const Vec3& position, const Vec3& normal) {
-        places.position.push_back(position);
-        places.cell.push_back(s.locate(position, normal));
-    };
-    std::vector<std::pair<Vec3, Vec3>> on_edges;
-    for (const Triangle& t : moved.triangles) {
-        const Vec3 area =
-            cross(moved.vertices[t[1]] - moved.vertices[t[0]], moved.vertices[t[2]] - moved.vertices[t[0]]);
-        for (int c = 0; c < 3; ++c) {
-            outward[t[c]] += area;
-            const std::uint32_t a = std::min(t[c], t[(c + 1) % 3]), b = std::max(t[c], t[(c + 1) % 3]);
-            const Vec3 edge = moved.vertices[b] - moved.vertices[a];
-            const int parts = static_cast<int>(std::ceil(norm(edge) / longest));
-            if (parts < 2 || !edges_done.insert({a, b}).second) continue;
-            for (int k = 1; k < parts; ++k) on_edges.emplace_back(moved.vertices[a] + edge * (double(k) / parts), area);
-        }
-        if (0.5 * norm(area) > 0.5 * longest * longest) large.triangles.push_back(t);
-    }
-    for (std::size_t v = 0; v < moved.vertices.size(); ++v) add(moved.vertices[v], outward[v]);
-    for (const auto& [position, normal] : on_edges) add(position, normal);
-    for (const SurfacePoint& piece : cut_surface(large, longest)) add(piece.position, piece.area);
-    return places;
-}
+/// Edges of the surface are no longer than this share of the lattice's boxes.
+constexpr double longest_edge = 0.75;
 
 /// Order of the samples in which those of one group of boxes follow each other; fills in where the groups begin and
 /// end.
 template <class Group>
-std::vector<std::uint32_t> sort_by_place(const Sampling& s, const SamplePlaces& places, std::vector<Group>& groups) {
-    std::vector<std::array<std::int32_t, 3>> key(places.cell.size());
+std::vector<std::uint32_t> sort_by_place(const Sampling& s, std::span<const std::uint32_t> cells,
+                                         std::vector<Group>& groups) {
+    std::vector<std::array<std::int32_t, 3>> key(cells.size());
     for (std::size_t i = 0; i < key.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            key[i][c] = static_cast<std::int32_t>(std::floor(double(s.cell_box[places.cell[i]][c]) / group_edge));
+            key[i][c] = static_cast<std::int32_t>(std::floor(double(s.cell_box[cells[i]][c]) / group_edge));
     std::vector<std::uint32_t> order(key.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return key[a] < key[b]; });
@@ -70,26 +37,29 @@ std::vector<std::uint32_t> sort_by_place(const Sampling& s, const SamplePlaces& 
     return order;
 }
 
-/// Bounding box of some nodes, widened: shape functions have some negative values, and samples may stick out a little.
-std::pair<Vec3, Vec3> reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Vec3 low{infinity, infinity, infinity}, high = -low;
-    for (std::uint32_t n : nodes)
-        for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], x[n][c]), high[c] = std::max(high[c], x[n][c]);
-    const double margin = 0.2 * norm(high - low);
-    return {low - Vec3{margin, margin, margin}, high + Vec3{margin, margin, margin}};
-}
-
 }  // namespace
 
 ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, double stable_step, const Threads& threads)
     : node_inverse_mass_(model.inverse_mass), step_squared_(stable_step * stable_step) {
-    const SamplePlaces places = place_samples(model, mesh);
-    const std::vector<std::uint32_t> order = sort_by_place(model.sampling, places, groups_);
-    std::vector<Vec3> positions;
+    const Sampling& s = model.sampling;
+    const TriangleMesh fine = refined(to_lattice(mesh, s.frame), longest_edge * s.pitch);
+    const std::vector<Vec3> normals = vertex_normals(fine);
     std::vector<std::uint32_t> cells;
-    for (std::uint32_t s : order) positions.push_back(places.position[s]), cells.push_back(places.cell[s]);
-    samples_ = embed(model.sampling, model.approximation, positions, cells, Gradients::no, threads);
+    for (std::size_t v = 0; v < fine.vertices.size(); ++v) cells.push_back(s.locate(fine.vertices[v], normals[v]));
+
+    // In the order of the groups.
+    const std::vector<std::uint32_t> order = sort_by_place(s, cells, groups_);
+    std::vector<Vec3> positions;
+    std::vector<std::uint32_t> sorted_cells, sample(order.size());
+    for (std::uint32_t v : order) {
+        sample[v] = static_cast<std::uint32_t>(positions.size());
+        positions.push_back(fine.vertices[v]);
+        sorted_cells.push_back(cells[v]);
+    }
+    std::vector<Triangle> triangles = fine.triangles;
+    for (Triangle& t : triangles) t = {sample[t[0]], sample[t[1]], sample[t[2]]};
+    surface_ = MovingSurface(std::move(triangles), positions.size());
+    samples_ = embed(s, model.approximation, positions, sorted_cells, Gradients::no, threads);
     for (Group& group : groups_) {
         const auto begin = samples_.node.begin() + samples_.offset[group.begin],
                    end = samples_.node.begin() + samples_.offset[group.end];
@@ -98,15 +68,15 @@ ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, dou
         group.nodes.erase(std::unique(group.nodes.begin(), group.nodes.end()), group.nodes.end());
     }
     std::vector<double> covered(model.rest.size());
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
         double total = 0;
-        for (std::uint32_t k = samples_.offset[s]; k < samples_.offset[s + 1]; ++k) total += std::abs(samples_.phi[k]);
-        for (std::uint32_t k = samples_.offset[s]; k < samples_.offset[s + 1]; ++k)
+        for (std::uint32_t k = samples_.offset[i]; k < samples_.offset[i + 1]; ++k) total += std::abs(samples_.phi[k]);
+        for (std::uint32_t k = samples_.offset[i]; k < samples_.offset[i + 1]; ++k)
             covered[samples_.node[k]] += total * std::abs(samples_.phi[k]);
     }
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
         double w = 0, own = 0;
-        for (std::uint32_t k = samples_.offset[s]; k < samples_.offset[s + 1]; ++k) {
+        for (std::uint32_t k = samples_.offset[i]; k < samples_.offset[i + 1]; ++k) {
             const double inverse_mass = model.inverse_mass[samples_.node[k]];
             w = std::max(w, covered[samples_.node[k]] * inverse_mass);
             own += samples_.phi[k] * samples_.phi[k] * inverse_mass;
@@ -116,14 +86,29 @@ ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, dou
     }
 }
 
+Bounds ContactSamples::reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x) {
+    Bounds box;
+    for (std::uint32_t n : nodes) box.add(x[n]);
+    const double margin = 0.2 * norm(box.size());
+    box.lower -= Vec3{margin, margin, margin};
+    box.upper += Vec3{margin, margin, margin};
+    return box;
+}
+
+Bounds ContactSamples::reach(std::span<const Vec3> x) const {
+    Bounds all;
+    for (const Group& group : groups_) all.add(reach_of(group.nodes, x));
+    return all;
+}
+
 std::vector<ContactSamples::Touch> ContactSamples::touches(std::span<const Collider> colliders, std::span<const Vec3> x,
                                                            const Threads& threads) const {
     std::vector<std::vector<Touch>> found(groups_.size());
     threads.for_each(groups_.size(), 4, [&](std::size_t g) {
-        const auto [low, high] = reach_of(groups_[g].nodes, x);
+        const Bounds box = reach_of(groups_[g].nodes, x);
         std::vector<std::uint32_t> near;
         for (std::uint32_t c = 0; c < colliders.size(); ++c)
-            if (colliders[c].distance_to_box(low, high) < 0) near.push_back(c);
+            if (colliders[c].distance_to_box(box.lower, box.upper) < 0) near.push_back(c);
         if (near.empty()) return;
         for (std::uint32_t s = groups_[g].begin; s < groups_[g].end; ++s) {
             const Vec3 position = samples_.position(s, x);

@@ -5,12 +5,13 @@
 
 #include "approximation/embedded_points.h"
 #include "contact/collider.h"
+#include "contact/moving_surface.h"
 #include "model/model.h"
 
 namespace phyxel {
 
-/// Points of a body's surface that meet obstacles: the mesh's vertices, and, where triangles are larger than half a
-/// spacing, points on their edges and inside of them.
+/// Points of a body's surface that meet obstacles: the vertices of its mesh, refined where triangles are large against
+/// the spacing, so that a long face bends as its body does.
 ///
 /// Each sample inside an obstacle stores k/2 d^2, d its signed distance. (A contact that began at a distance would
 /// throw up a body placed exactly on a floor.) The stiffness is as large as explicit steps allow, k_s = beta / (dt^2
@@ -79,6 +80,24 @@ public:
     void add_lumped(std::span<const Touch> touches, std::span<const Rub> rubs, std::span<const Vec3> x,
                     std::span<Mat3> blocks) const;
 
+    // --- for other bodies (contact/body_contact.h)
+
+    /// The refined surface; its vertices are the samples.
+    const MovingSurface& surface() const { return surface_; }
+    const EmbeddedPoints& samples() const { return samples_; }
+    double stiffness(std::size_t sample) const { return stiffness_share_ / (step_squared_ * inverse_mass_[sample]); }
+    /// Of a sample that is pressed on by others with an effective inverse mass `w` [1/kg].
+    double stiffness_against(double w) const { return stiffness_share_ / (step_squared_ * w); }
+    double node_inverse_mass(std::size_t node) const { return node_inverse_mass_[node]; }
+    /// A box around all samples when the nodes are at x.
+    Bounds reach(std::span<const Vec3> x) const;
+    /// Calls `visit(begin, end)` for samples that lie together, where they may be inside of `box`.
+    template <class Visit>
+    void visit_near(const Bounds& box, std::span<const Vec3> x, Visit&& visit) const {
+        for (const Group& group : groups_)
+            if (reach_of(group.nodes, x).overlaps(box)) visit(group.begin, group.end);
+    }
+
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
     double deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
 
@@ -86,7 +105,6 @@ public:
     double energy(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
 
 private:
-    double stiffness(std::size_t sample) const { return stiffness_share_ / (step_squared_ * inverse_mass_[sample]); }
     /// Adds a force at a sample to the nodes that carry it.
     void spread(std::size_t sample, const Vec3& force, std::span<Vec3> f) const {
         for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
@@ -101,7 +119,11 @@ private:
         std::vector<std::uint32_t> nodes;
     };
 
+    /// Bounding box of some nodes, widened: shape functions have some negative values, and samples may stick out.
+    static Bounds reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x);
+
     EmbeddedPoints samples_;  ///< in the order of the groups
+    MovingSurface surface_;
     std::vector<Group> groups_;
     std::vector<double> inverse_mass_;       ///< [samples] w_s [1/kg]
     std::vector<double> own_inverse_mass_;   ///< [samples] sum phi^2/m, that of the sample alone [1/kg]

@@ -1,12 +1,9 @@
 #pragma once
 
-#include "geometry/bvh.h"
+#include "geometry/closest_point.h"
 #include "geometry/winding_number.h"
 
 namespace phyxel {
-
-/// Distance of a point to a triangle.
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Signed distance to a surface, negative where its winding number is above 1/2. Const and safe to call from many
 /// threads; the value depends on the mesh and the point alone.

@@ -138,6 +138,7 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
         body.regions.push_back(read_region(region, materials, settings.regions.emplace_back()));
     settings.mean_dilatation = read_mean_dilatation(reader);
     settings.consistency_correction = reader.boolean("consistency").value_or(settings.consistency_correction);
+    settings.friction = reader.number("friction", at_least(0)).value_or(settings.friction);
     settings.stabilization = reader.number("stabilization", between(0, 10)).value_or(settings.stabilization);
 
     body.place = reader.place();
@@ -153,7 +154,7 @@ std::vector<SceneBody> read_bodies(const TableReader& root, const std::vector<Sc
     Names names("body");
     for (const TableReader& reader : root.list(
              "body", {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
-                      "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency", "stabilization"}))
+                      "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency", "stabilization", "friction"}))
         bodies.push_back(read_body(reader, materials, names));
     if (bodies.empty())
         root.fail(Place{}, "found no body, expected at least one; add [[body]] with a mesh or shape and a material");

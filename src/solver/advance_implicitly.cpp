@@ -18,7 +18,8 @@ struct Before {
     History history;
     Exchanged exchanged;
     std::vector<ContactSamples::Stick> sticks;
-    double penalty_energy, carried_load;
+    std::vector<BodyStick> body_sticks;
+    double penalty_energy, body_contact_energy, carried_load;
 };
 
 void restore(Bodies bodies, const std::vector<Before>& before) {
@@ -28,7 +29,9 @@ void restore(Bodies bodies, const std::vector<Before>& before) {
         bodies[i]->step_energy.reset();
         bodies[i]->exchanged = before[i].exchanged;
         bodies[i]->sticks = before[i].sticks;
+        bodies[i]->body_sticks = before[i].body_sticks;
         bodies[i]->penalty_energy = before[i].penalty_energy;
+        bodies[i]->body_contact_energy = before[i].body_contact_energy;
         bodies[i]->carried_load = before[i].carried_load;
     }
 }
@@ -47,6 +50,21 @@ bool all_finite(const State& state) {
     return true;
 }
 
+/// What is solved together.
+std::vector<std::vector<std::uint32_t>> groups(Bodies bodies, Integrator integrator, double dt) {
+    if (integrator != Integrator::statics) return groups_that_may_touch(bodies, dt);
+    std::vector<std::vector<std::uint32_t>> alone;
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) alone.push_back({i});
+    return alone;
+}
+
+std::string named(const std::vector<std::uint32_t>& group) {
+    std::string text = "body " + std::to_string(group.front());
+    for (std::size_t i = 1; i < group.size(); ++i)
+        text += (i + 1 < group.size() ? ", " : " and ") + std::to_string(group[i]);
+    return text;
+}
+
 /// What went wrong in `parts` equal steps; empty when nothing did.
 std::string try_steps(Bodies bodies, const Surroundings& around, Integrator integrator, double time, double duration,
                       int parts, const Threads& threads, StepReport& report) {
@@ -54,17 +72,15 @@ std::string try_steps(Bodies bodies, const Surroundings& around, Integrator inte
     const double dt = duration / parts;
     report.substep = dt;
     for (int k = 0; k < parts; ++k) {
-        for (std::size_t i = 0; i < bodies.size(); ++i) {
-            DynamicBody& b = *bodies[i];
-            SolveReport solve;
-            if (integrator == Integrator::statics) {
-                solve = find_equilibrium(b, around, time, time + duration, threads);
-            } else {
-                solve = implicit_step(b, around, scheme, time + k * dt, dt, threads);
-            }
+        for (const std::vector<std::uint32_t>& group : groups(bodies, integrator, dt)) {
+            const SolveReport solve =
+                integrator == Integrator::statics
+                    ? find_equilibrium(*bodies[group.front()], around, time, time + duration, threads)
+                    : implicit_step(bodies, group, around, scheme, time + k * dt, dt, threads);
             count(solve, report);
-            if (!solve.converged) return "body " + std::to_string(i) + ": " + solve.trouble;
-            if (!all_finite(b.state)) return "body " + std::to_string(i) + " left the numbers";
+            if (!solve.converged) return named(group) + ": " + solve.trouble;
+            for (std::uint32_t number : group)
+                if (!all_finite(bodies[number]->state)) return named(group) + " left the numbers";
         }
         ++report.substeps;
     }
@@ -78,7 +94,8 @@ StepReport advance_implicitly(Bodies bodies, const Surroundings& around, Integra
     StepReport report;
     std::vector<Before> before;
     for (const auto& b : bodies)
-        before.push_back({b->state, b->history, b->exchanged, b->sticks, b->penalty_energy, b->carried_load});
+        before.push_back({b->state, b->history, b->exchanged, b->sticks, b->body_sticks, b->penalty_energy,
+                          b->body_contact_energy, b->carried_load});
     const bool is_static = integrator == Integrator::statics;
     std::string trouble;
     for (int parts = 1; parts <= (is_static ? 1 : most_parts); parts *= 2) {
@@ -86,7 +103,7 @@ StepReport advance_implicitly(Bodies bodies, const Surroundings& around, Integra
         trouble = try_steps(bodies, around, integrator, time, duration, parts, threads, report);
         if (trouble.empty()) {
             report.advanced = duration;
-            for (const auto& b : bodies) report.contacts += b->touches.size();
+            for (const auto& b : bodies) report.contacts += b->touches.size() + b->body_touches;
             return report;
         }
         restore(bodies, before);

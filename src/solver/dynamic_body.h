@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "contact/contact.h"
+#include "contact/body_contact.h"
 #include "forces/constraints.h"
 #include "forces/fast_forces.h"
 #include "forces/internal_forces.h"
@@ -60,6 +60,11 @@ struct DynamicBody {
     double carried_load = 0;                    ///< share of the loads that the state is in equilibrium with
     std::vector<ContactSamples::Stick> sticks;  ///< where samples stick to obstacles
     double penalty_energy = 0;                  ///< [J] of patches held by penalties
+    double friction = 0.5;                      ///< against other bodies
+    std::vector<std::uint32_t> apart;           ///< numbers of bodies that it does not meet, ascending
+    std::vector<BodyStick> body_sticks;         ///< what friction with other bodies holds
+    double body_contact_energy = 0;             ///< [J] of its samples inside of other bodies
+    std::size_t body_touches = 0;               ///< how many there are
     std::optional<double> step_energy;          ///< [J] kinetic and stored, after an implicit step
     std::unique_ptr<FastForces> fast_forces;
     std::unique_ptr<PreconditionerModel> softened;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh_topology.h"
 #include "solver/nodal_vectors.h"
 #include "solver/step.h"
 
@@ -36,104 +37,193 @@ std::vector<Vec3> past(const Difference& d, std::span<const Vec3> now, std::span
 
 /// Kinetic and stored energy [J], in the precision of the step's forces: rounding does not add up over steps.
 double step_energy(DynamicBody& b, const Surroundings& around, const Threads& threads) {
-    double energy = kinetic_energy(b, threads) + b.penalty_energy;
+    double energy = kinetic_energy(b, threads) + b.penalty_energy + b.body_contact_energy;
     if (b.contact) energy += b.contact->energy(around.colliders, b.state.x, threads);
     if (b.fast_forces) return energy + b.fast_forces->energy(b.model, b.state.x, threads);
     return energy + elastic_energy(b.model, b.state.x, b.work, threads) +
            stabilization_energy(b.model, b.state.x, b.work, threads);
 }
 
-SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
+/// One body's part of a step: what is minimized, where from, and what is booked in the end.
+class BodyStep {
+public:
+    BodyStep(DynamicBody& body, const Surroundings& around, ImplicitScheme scheme, double start, double dt,
+             const Threads& threads);
+
+    IncrementalPotential potential;
+    WarpedPreconditioner* preconditioner;
+    /// How far the body would go by itself, in the metric of the potential: what errors are measured against.
+    double way = 0;
+
+    /// Takes the end of the step, and books what it did: the work of its forces, and what it lost by itself, which is
+    /// the work of inertia and of stored energy at the end of the step less what they hold now. Needs the body's
+    /// `step_energy` of before.
+    void finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces);
+
+private:
+    DynamicBody& b_;
+    const Surroundings& around_;
+    double start_, dt_;
+    Difference d_;
+    std::vector<Vec3> past_x_, past_v_;
+    const Threads& threads_;
+};
+
+BodyStep::BodyStep(DynamicBody& b, const Surroundings& around, ImplicitScheme scheme, double start, double dt,
+                   const Threads& threads)
+    : potential(b, around, Precision::single, threads),
+      b_(b),
+      around_(around),
+      start_(start),
+      dt_(dt),
+      d_(difference(b.history, scheme, dt)),
+      past_x_(past(d_, b.state.x, b.history.x)),
+      past_v_(past(d_, b.state.v, b.history.v)),
+      threads_(threads) {
+    const Model& m = b.model;
+    const std::size_t n = m.rest.size();
+    set_contact_stiffness(b, dt);
+    potential.inertia = (d_.a0 / dt + around.mass_damping) * d_.a0 / dt;
+    potential.target.resize(n);
+    threads.for_each(n, node_chunk, [&](std::size_t i) {
+        potential.target[i] = past_x_[i] / d_.a0 + past_v_[i] / (dt * potential.inertia);
+        potential.velocity_offset[i] = past_x_[i] / dt;
+    });
+    potential.velocity_share = d_.a0 / dt;
+    potential.time = potential.load_time = start + dt;
+    potential.start = b.state.x;
+    preconditioner = &b.prepare_preconditioner(1 + around.stiffness_damping * d_.a0 / dt, potential.inertia, threads);
+
+    std::vector<Vec3> loads(n);
+    for (const SurfaceLoad& load : b.loads) load.add(start + dt, b.state.x, loads);
+    const double free_way = std::sqrt(threads.sum(n, node_chunk, [&](std::size_t i) {
+        const Vec3 u = dt * b.state.v[i] + dt * dt * (around.gravity + m.inverse_mass[i] * loads[i]);
+        return m.mass[i] * norm_squared(u);
+    }));
+    way = std::max(free_way, least_way * m.node_length * std::sqrt(m.total_mass)) * std::sqrt(potential.inertia);
+}
+
+void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces) {
+    const Model& m = b_.model;
+    const std::size_t n = m.rest.size();
+    const double before = *b_.step_energy;
+    std::vector<Vec3> v(n), inertial(n);
+    threads_.for_each(n, node_chunk, [&](std::size_t i) {
+        v[i] = (d_.a0 * x[i] - past_x_[i]) / dt_;
+        inertial[i] = m.mass[i] / dt_ * (d_.a0 * v[i] - past_v_[i]);
+    });
+    const auto work_of = [&](auto&& force) {
+        return threads_.sum(n, node_chunk, [&](std::size_t i) { return dot(force(i), x[i] - b_.state.x[i]); });
+    };
+    const Constraints::GripWork grips = b_.constraints.measure(start_, start_ + dt_, x, forces.sum);
+    b_.exchanged.external += work_of([&](std::size_t i) { return forces.loads[i]; }) + grips.nodes + grips.patches;
+    b_.exchanged.damping -=
+        work_of([&](std::size_t i) { return forces.viscous[i] - around_.mass_damping * m.mass[i] * v[i]; });
+    b_.exchanged.friction -= work_of([&](std::size_t i) { return forces.friction[i]; });
+    b_.exchanged.numerical +=
+        work_of([&](std::size_t i) { return inertial[i] - forces.conservative[i]; }) + grips.patches;
+
+    if (b_.contact) b_.sticks = b_.contact->sticks(b_.rubs, x);
+    b_.history = {std::move(b_.state.x), std::move(b_.state.v), dt_};
+    b_.state = {std::vector<Vec3>(x.begin(), x.end()), std::move(v)};
+    b_.penalty_energy = b_.constraints.penalty_energy(start_ + dt_, b_.state.x);
+    b_.step_energy = step_energy(b_, around_, threads_);
+    b_.exchanged.numerical -= *b_.step_energy - before;
+}
+
+SolveReport solve(CoupledBodies& bodies, const std::vector<Vec3>& start, std::vector<Vec3>& x,
                   const SolveTolerance& bound) {
-    SolveReport report = l_bfgs(potential, preconditioner, x, bound, most_iterations);
+    SolveReport report = l_bfgs(bodies, x, bound, most_iterations);
     if (report.converged) return report;
-    // Newton's method from where L-BFGS got, else from where the body was.
-    report.add(newton(potential, preconditioner, x, bound, NewtonSteps::guarded, most_newton));
+    // Newton's method from where L-BFGS got, else from where the bodies were.
+    report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
     if (report.converged) return report;
-    x = potential.start;
-    potential.body.constraints.place_held(potential.time, x);
-    report.add(newton(potential, preconditioner, x, bound, NewtonSteps::guarded, most_newton));
+    x = start;
+    bodies.place_held(x);
+    report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
     return report;
 }
 
 }  // namespace
 
-SolveReport implicit_step(DynamicBody& b, const Surroundings& around, ImplicitScheme scheme, double start, double dt,
+SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std::span<const std::uint32_t> members,
+                          const Surroundings& around, ImplicitScheme scheme, double start, double dt,
                           const Threads& threads) {
-    const Model& m = b.model;
-    const std::size_t n = m.rest.size();
-    const Difference d = difference(b.history, scheme, dt);
-    const std::vector<Vec3> past_x = past(d, b.state.x, b.history.x), past_v = past(d, b.state.v, b.history.v);
-    set_contact_stiffness(b, dt);
+    // The potential of the step, its contact, and a first guess.
+    std::vector<std::unique_ptr<BodyStep>> steps;
+    std::vector<CoupledBodies::Part> parts;
+    std::vector<BodyContact::Side> sides;
+    std::vector<Vec3> begin, x;
+    double way = 0;
+    bool rubs = false;
+    for (std::uint32_t number : members) {
+        DynamicBody& b = *all[number];
+        steps.push_back(std::make_unique<BodyStep>(b, around, scheme, start, dt, threads));
+        parts.push_back({&steps.back()->potential, steps.back()->preconditioner});
+        if (members.size() > 1)
+            sides.push_back({&*b.contact, number, begin.size(), b.state.x.size(), b.friction, b.model.sampling.spacing,
+                             b.body_sticks, b.apart});
+        begin.insert(begin.end(), b.state.x.begin(), b.state.x.end());
+        for (std::size_t i = 0; i < b.state.x.size(); ++i) x.push_back(b.state.x[i] + dt * b.state.v[i]);
+        way = std::hypot(way, steps.back()->way);
+        rubs = rubs || (b.contact && !around.colliders.empty());
+    }
+    BodyContact contact(std::move(sides));
+    CoupledBodies bodies(std::move(parts), members.size() > 1 ? &contact : nullptr, threads);
+    bodies.place_held(x);
+    bodies.turn(x);
 
-    // The potential of the step.
-    IncrementalPotential potential(b, around, Precision::single, threads);
-    const double drag = d.a0 / dt + around.mass_damping;
-    potential.inertia = drag * d.a0 / dt;
-    potential.target.resize(n);
-    threads.for_each(n, node_chunk, [&](std::size_t i) {
-        potential.target[i] = past_x[i] / d.a0 + past_v[i] / (dt * potential.inertia);
-        potential.velocity_offset[i] = past_x[i] / dt;
-    });
-    potential.velocity_share = d.a0 / dt;
-    potential.time = potential.load_time = start + dt;
-    potential.start = b.state.x;
-    WarpedPreconditioner& preconditioner =
-        b.prepare_preconditioner(1 + around.stiffness_damping * d.a0 / dt, potential.inertia, threads);
-
-    // How far the body would go by itself is what the error is measured against.
-    std::vector<Vec3> x = b.state.x, loads(n);
-    for (const SurfaceLoad& load : b.loads) load.add(start + dt, x, loads);
-    const double way = std::sqrt(threads.sum(n, node_chunk, [&](std::size_t i) {
-        const Vec3 u = dt * b.state.v[i] + dt * dt * (around.gravity + m.inverse_mass[i] * loads[i]);
-        return m.mass[i] * norm_squared(u);
-    }));
-    const double size = std::max(way, least_way * m.node_length * std::sqrt(m.total_mass));
-    const SolveTolerance bound{0, tolerance * size * std::sqrt(potential.inertia), 1e-2};
-
-    add_scaled(x, dt, b.state.v, threads);
-    b.constraints.place_held(start + dt, x);
     SolveReport report;
-    preconditioner.turn(x, threads);
-    potential.lag_friction(x);
-    const bool rubs = b.contact && !around.colliders.empty();
-    for (int pass = 0; pass < (rubs ? friction_passes : 1); ++pass) {
-        if (pass > 0) {
-            potential.lag_friction(x);
-            if (b.rubs.empty()) break;
-        }
-        preconditioner.set_supports(potential.supports(x), threads);
-        report.add(solve(potential, preconditioner, x, bound));
+    for (int pass = 0; pass < friction_passes; ++pass) {
+        for (std::size_t p = 0; p < steps.size(); ++p) steps[p]->potential.lag_friction(bodies.of(p, x));
+        if (members.size() > 1) contact.find(x, begin, threads);
+        const auto rests = [](const auto& step) { return step->potential.body.rubs.empty(); };
+        if (pass > 0 && contact.empty() && (!rubs || std::all_of(steps.begin(), steps.end(), rests))) break;
+        bodies.support(x);
+        report.add(solve(bodies, begin, x, {0, tolerance * way, 1e-2}));
         if (!report.converged) return report;
     }
 
-    // What the step did: the work of its forces, and what it lost by itself, which is the work of inertia and of stored
-    // energy at the end of the step less what they hold now.
-    const IncrementalPotential::Forces forces = potential.forces(x);
-    const double before = b.step_energy ? *b.step_energy : step_energy(b, around, threads);
-    std::vector<Vec3> v(n), inertial(n);
-    threads.for_each(n, node_chunk, [&](std::size_t i) {
-        v[i] = (d.a0 * x[i] - past_x[i]) / dt;
-        inertial[i] = m.mass[i] / dt * (d.a0 * v[i] - past_v[i]);
-    });
-    const auto work_of = [&](auto&& force) {
-        return threads.sum(n, node_chunk, [&](std::size_t i) { return dot(force(i), x[i] - b.state.x[i]); });
-    };
-    const Constraints::GripWork grips = b.constraints.measure(start, start + dt, x, forces.sum);
-    b.exchanged.external += work_of([&](std::size_t i) { return forces.loads[i]; }) + grips.nodes + grips.patches;
-    b.exchanged.damping -=
-        work_of([&](std::size_t i) { return forces.viscous[i] - around.mass_damping * m.mass[i] * v[i]; });
-    b.exchanged.friction -= work_of([&](std::size_t i) { return forces.friction[i]; });
-    b.exchanged.numerical +=
-        work_of([&](std::size_t i) { return inertial[i] - forces.conservative[i]; }) + grips.patches;
-
-    if (b.contact) b.sticks = b.contact->sticks(b.rubs, x);
-    b.history = {std::move(b.state.x), std::move(b.state.v), dt};
-    b.state = {std::move(x), std::move(v)};
-    b.penalty_energy = b.constraints.penalty_energy(start + dt, b.state.x);
-    b.step_energy = step_energy(b, around, threads);
-    b.exchanged.numerical -= *b.step_energy - before;
+    std::vector<Vec3> push(x.size()), friction(x.size());
+    contact.add_forces(x, push);
+    contact.add_friction_forces(x, friction);
+    for (std::size_t p = 0; p < steps.size(); ++p) {
+        DynamicBody& b = steps[p]->potential.body;
+        IncrementalPotential::Forces forces = steps[p]->potential.forces(bodies.of(p, x));
+        const std::span<const Vec3> own_push = bodies.of(p, push), own_friction = bodies.of(p, friction);
+        for (std::size_t i = 0; i < own_push.size() && members.size() > 1; ++i) {
+            forces.conservative[i] += own_push[i];
+            forces.friction[i] += own_friction[i];
+            forces.sum[i] += own_push[i] + own_friction[i];
+        }
+        b.body_sticks = contact.sticks(p, x);
+        b.body_touches = contact.touching(p, x);
+        if (!b.step_energy) b.step_energy = step_energy(b, around, threads);
+        b.body_contact_energy = contact.energy(p, x);
+        steps[p]->finish(bodies.of(p, x), forces);
+    }
     return report;
+}
+
+std::vector<std::vector<std::uint32_t>> groups_that_may_touch(std::span<const std::unique_ptr<DynamicBody>> all,
+                                                              double dt) {
+    std::vector<Bounds> boxes(all.size());
+    if (all.size() > 1)
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const DynamicBody& b = *all[i];
+            std::vector<Vec3> next = b.state.x;
+            for (std::size_t n = 0; n < next.size(); ++n) next[n] += dt * b.state.v[n];
+            boxes[i] = b.contact->reach(b.state.x);
+            boxes[i].add(b.contact->reach(next));
+        }
+    DisjointSets sets(all.size());
+    for (std::uint32_t i = 0; i < all.size(); ++i)
+        for (std::uint32_t j = i + 1; j < all.size(); ++j)
+            if (boxes[i].overlaps(boxes[j])) sets.unite(i, j);
+    std::vector<std::vector<std::uint32_t>> groups(all.size());
+    for (std::uint32_t i = 0; i < all.size(); ++i) groups[sets.find(i)].push_back(i);
+    std::erase_if(groups, [](const auto& group) { return group.empty(); });
+    return groups;
 }
 
 }  // namespace phyxel

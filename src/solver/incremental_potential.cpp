@@ -106,6 +106,10 @@ void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3>
     threads.for_each(out.size(), node_chunk, [&](std::size_t i) { out[i] = times(free_[i], out[i]); });
 }
 
+void IncrementalPotential::add_free(double s, std::span<const Vec3> f, std::span<Vec3> a) const {
+    threads.for_each(a.size(), node_chunk, [&](std::size_t i) { a[i] += s * times(free_[i], f[i]); });
+}
+
 void set_contact_stiffness(DynamicBody& b, double dt) {
     if (!b.contact) return;
     const Model& m = b.model;

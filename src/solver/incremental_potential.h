@@ -39,6 +39,9 @@ public:
     /// Writes the second derivative at x applied to d, held components 0.
     void action(std::span<const Vec3> x, std::span<const Vec3> d, std::span<Vec3> out);
 
+    /// a += s f in the components that are not held.
+    void add_free(double s, std::span<const Vec3> f, std::span<Vec3> a) const;
+
     /// The forces at x, sorted by where their work goes.
     struct Forces {
         std::vector<Vec3> conservative;  ///< elastic, stabilization, contact, penalties

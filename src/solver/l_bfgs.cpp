@@ -17,14 +17,13 @@ struct Pair {
 
 }  // namespace
 
-SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
-                   const SolveTolerance& tolerance, int most) {
-    const Threads& threads = potential.threads;
-    const std::size_t n = potential.size();
+SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveTolerance& tolerance, int most) {
+    const Threads& threads = bodies.threads;
+    const std::size_t n = bodies.size();
     SolveReport report;
     std::deque<Pair> pairs;
     std::vector<Vec3> g(n), d(n), q(n), before(n);
-    potential.gradient(x, g);
+    bodies.gradient(x, g);
     int shortened = 0;
     for (int k = 0; k < most; ++k) {
         // d = -H g by the two loops, the preconditioner between them.
@@ -34,7 +33,7 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
             alpha[p] = pairs[p].inverse_product * inner(pairs[p].step, q, threads);
             add_scaled(q, -alpha[p], pairs[p].change, threads);
         }
-        preconditioner.apply(q, d, threads);
+        bodies.precondition(q, d);
         for (std::size_t p = 0; p < pairs.size(); ++p) {
             const double beta = pairs[p].inverse_product * inner(pairs[p].change, d, threads);
             add_scaled(d, alpha[p] - beta, pairs[p].step, threads);
@@ -53,7 +52,7 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
         if (std::sqrt(decrease) <= tolerance.energy || report.residual <= tolerance.force)
             return report.converged = true, report;
         before = g;
-        potential.gradient(x, g);
+        bodies.gradient(x, g);
 
         // Where the step overshot, the secant through both slopes says how far to go.
         const double ratio = inner(g, d, threads) / decrease;
@@ -65,7 +64,7 @@ SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& precon
             const double length = std::isfinite(ratio) && ratio < 50 ? 1 / (1 + ratio) : 0.1;
             add_scaled(x, length - 1, d, threads);
             threads.for_each(n, node_chunk, [&](std::size_t i) { d[i] *= length; });
-            potential.gradient(x, g);
+            bodies.gradient(x, g);
         } else {
             shortened = 0;
         }

@@ -15,20 +15,19 @@ constexpr int most_shortenings = 10;
 /// Conjugate gradients for K d = b at x, preconditioned. Negative curvature ends them with what there is.
 class LinearSolver {
 public:
-    LinearSolver(IncrementalPotential& potential, WarpedPreconditioner& preconditioner)
-        : potential_(potential), preconditioner_(preconditioner), z_(potential.size()), p_(z_), product_(z_) {}
+    explicit LinearSolver(CoupledBodies& bodies) : bodies_(bodies), z_(bodies.size()), p_(z_), product_(z_) {}
 
     /// Writes the solution into `d`; `b` becomes the residual. Returns the number of iterations.
-    std::size_t solve(std::span<const Vec3> x, double tolerance, std::vector<Vec3>& b, std::vector<Vec3>& d) {
-        const Threads& threads = potential_.threads;
+    std::size_t solve(const std::vector<Vec3>& x, double tolerance, std::vector<Vec3>& b, std::vector<Vec3>& d) {
+        const Threads& threads = bodies_.threads;
         std::fill(d.begin(), d.end(), Vec3{});
-        preconditioner_.apply(b, z_, threads);
+        bodies_.precondition(b, z_);
         std::copy(z_.begin(), z_.end(), p_.begin());
         double rz = inner(b, z_, threads);
         const double enough = tolerance * tolerance * rz;
         for (std::size_t k = 0; k < most_linear; ++k) {
             if (!(rz > enough)) return k;
-            potential_.action(x, p_, product_);
+            bodies_.action(x, p_, product_);
             const double curvature = inner(p_, product_, threads);
             if (!(curvature > 0)) {
                 if (k == 0) std::copy(p_.begin(), p_.end(), d.begin());
@@ -37,7 +36,7 @@ public:
             const double alpha = rz / curvature;
             add_scaled(d, alpha, p_, threads);
             add_scaled(b, -alpha, product_, threads);
-            preconditioner_.apply(b, z_, threads);
+            bodies_.precondition(b, z_);
             const double next = inner(b, z_, threads);
             const double beta = next / rz;
             threads.for_each(p_.size(), node_chunk, [&](std::size_t i) { p_[i] = z_[i] + beta * p_[i]; });
@@ -47,8 +46,7 @@ public:
     }
 
 private:
-    IncrementalPotential& potential_;
-    WarpedPreconditioner& preconditioner_;
+    CoupledBodies& bodies_;
     std::vector<Vec3> z_, p_, product_;
 };
 
@@ -63,23 +61,23 @@ void SolveReport::add(const SolveReport& other) {
     trouble = other.trouble;
 }
 
-SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
-                   const SolveTolerance& tolerance, NewtonSteps steps, int most) {
-    const Threads& threads = potential.threads;
-    const std::size_t n = potential.size();
+SolveReport newton(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveTolerance& tolerance, NewtonSteps steps,
+                   int most) {
+    const Threads& threads = bodies.threads;
+    const std::size_t n = bodies.size();
     SolveReport report;
-    LinearSolver linear(potential, preconditioner);
+    LinearSolver linear(bodies);
     std::vector<Vec3> g(n), b(n), d(n), z(n);
 
     // The way of held components that are not where they belong.
     std::vector<Vec3> held = x;
-    potential.body.constraints.place_held(potential.time, held);
+    bodies.place_held(held);
     for (std::size_t i = 0; i < n; ++i) held[i] -= x[i];
     bool lift = inner(held, held, threads) > 0;
 
     double first = 0, last = 0;  // residuals: the larger of the first two, and the one before
     int growing = 0;
-    potential.gradient(x, g);
+    bodies.gradient(x, g);
     for (int k = 0;; ++k) {
         report.residual = std::sqrt(inner(g, g, threads));
         if (!std::isfinite(report.residual)) {
@@ -90,7 +88,7 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
             // Done, or on the way, or not.
             if (report.residual <= tolerance.force) return report.converged = true, report;
             if (tolerance.energy > 0) {
-                preconditioner.apply(g, z, threads);
+                bodies.precondition(g, z);
                 if (std::sqrt(std::max(0.0, inner(g, z, threads))) <= tolerance.energy)
                     return report.converged = true, report;
             }
@@ -109,10 +107,10 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
         }
 
         // K d = -g - K h over the free components.
-        preconditioner.turn(x, threads);
-        preconditioner.set_supports(potential.supports(x), threads);
+        bodies.turn(x);
+        bodies.support(x);
         if (lift) {
-            potential.action(x, held, b);
+            bodies.action(x, held, b);
             threads.for_each(n, node_chunk, [&](std::size_t i) { b[i] = -g[i] - b[i]; });
             first = std::max(first, std::sqrt(inner(b, b, threads)));
         } else {
@@ -126,7 +124,7 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
         if (lift) add_scaled(d, 1.0, held, threads);
         const double slope = inner(g, d, threads);
         add_scaled(x, 1.0, d, threads);
-        potential.gradient(x, g);
+        bodies.gradient(x, g);
         if (steps == NewtonSteps::guarded && !lift) {
             double length = 1;
             for (int s = 0; s < most_shortenings; ++s) {
@@ -136,7 +134,7 @@ SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& precon
                 const double shorter = length * std::clamp(secant, 0.1, 0.7);
                 add_scaled(x, shorter - length, d, threads);
                 length = shorter;
-                potential.gradient(x, g);
+                bodies.gradient(x, g);
             }
         }
         lift = false;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "solver/incremental_potential.h"
+#include "solver/coupled_bodies.h"
 #include "solver/warped_preconditioner.h"
 
 namespace phyxel {
@@ -35,14 +35,13 @@ enum class NewtonSteps {
 /// Optimization, algorithm 7.1). Held components of `x` that are not in place yet are brought there by the first
 /// iteration, together with the response of the rest. Gives up when the residual is a thousand times what the first
 /// iteration left, has grown three times in a row, or after `most` iterations; `x` is then whatever was reached.
-SolveReport newton(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
-                   const SolveTolerance& tolerance, NewtonSteps steps, int most);
+SolveReport newton(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveTolerance& tolerance, NewtonSteps steps,
+                   int most);
 
 /// L-BFGS (Nocedal and Wright, algorithm 7.4) with the preconditioner as first inverse Hessian and five pairs, kept
 /// within the solve: one gradient and one preconditioner application an iteration. Full steps, shortened by the secant
 /// rule where they overshoot. The preconditioner stays as it was turned. Gives up after `most` iterations or two
 /// shortened steps in a row.
-SolveReport l_bfgs(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x,
-                   const SolveTolerance& tolerance, int most);
+SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveTolerance& tolerance, int most);
 
 }  // namespace phyxel

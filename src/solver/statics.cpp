@@ -57,7 +57,7 @@ double stiffest_modulus(const Model& m) {
 }
 
 /// One load step. `x` is left at the solution, or as it was.
-SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& preconditioner, std::vector<Vec3>& x) {
+SolveReport solve(IncrementalPotential& potential, CoupledBodies& alone, std::vector<Vec3>& x) {
     // What residuals are measured against: loads, and the forces that moving grips bring about.
     const Threads& threads = potential.threads;
     std::vector<Vec3> held = x, pull(x.size());
@@ -76,10 +76,10 @@ SolveReport solve(IncrementalPotential& potential, WarpedPreconditioner& precond
     const SolveTolerance tolerance{std::max(force_tolerance * scale, rounding), 0};
 
     const std::vector<Vec3> before = x;
-    SolveReport total = newton(potential, preconditioner, x, tolerance, NewtonSteps::full, most_full);
+    SolveReport total = newton(alone, x, tolerance, NewtonSteps::full, most_full);
     if (!total.converged) {
         x = before;
-        total.add(newton(potential, preconditioner, x, tolerance, NewtonSteps::guarded, most_guarded));
+        total.add(newton(alone, x, tolerance, NewtonSteps::guarded, most_guarded));
     }
     if (!total.converged) x = before;
     return total;
@@ -99,6 +99,7 @@ SolveReport find_equilibrium(DynamicBody& b, const Surroundings& around, double 
     set_contact_stiffness(b, std::numeric_limits<double>::infinity());
     WarpedPreconditioner& preconditioner = b.prepare_preconditioner(1, 0, threads);
     IncrementalPotential potential(b, around, Precision::full, threads);
+    CoupledBodies alone({{&potential, &preconditioner}}, nullptr, threads);
     std::vector<Vec3> x = b.state.x;
     const double carried = b.carried_load;
     for (double done = 0, step = 1; done < 1;) {
@@ -106,7 +107,7 @@ SolveReport find_equilibrium(DynamicBody& b, const Surroundings& around, double 
         potential.time = start + share * (end - start);
         potential.load_time = end;
         potential.load_share = carried + share * (1 - carried);
-        const SolveReport solved = solve(potential, preconditioner, x);
+        const SolveReport solved = solve(potential, alone, x);
         report.add(solved);
         if (solved.converged) {
             done = share;

@@ -150,7 +150,8 @@ BodyEnergy body_energy(DynamicBody& b, const Surroundings& around, const Threads
     e.stabilization = stabilization_energy(b.model, b.state.x, b.work, threads);
     e.gravitational = -threads.sum(b.state.x.size(), 1024,
                                    [&](std::size_t i) { return b.model.mass[i] * dot(around.gravity, b.state.x[i]); });
-    if (b.contact) e.contact = b.contact->energy(around.colliders, b.state.x, threads);
+    e.contact = b.body_contact_energy;
+    if (b.contact) e.contact += b.contact->energy(around.colliders, b.state.x, threads);
     e.constraint = b.penalty_energy;
     return e;
 }

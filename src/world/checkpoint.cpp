@@ -39,6 +39,7 @@ std::uint64_t fingerprint(const World::Parts& p) {
         for (double value : {m.stabilization, body->rest_step}) hasher.add_value(value);
         for (const SurfaceLoad& load : body->loads) load.add_to(hasher);
         body->constraints.add_to(hasher);
+        hasher.add_value(body->friction);
     }
     return hasher.value();
 }
@@ -64,6 +65,9 @@ void World::save_checkpoint(const std::filesystem::path& path) const {
         file.add_value(section(i, "carried_load"), body.carried_load);
         file.add_value(section(i, "sticks.count"), std::uint64_t{body.sticks.size()});
         file.add_values(section(i, "sticks"), std::span<const ContactSamples::Stick>(body.sticks));
+        file.add_value(section(i, "body_sticks.count"), std::uint64_t{body.body_sticks.size()});
+        file.add_values(section(i, "body_sticks"), std::span<const BodyStick>(body.body_sticks));
+        file.add_value(section(i, "body_contact_energy"), body.body_contact_energy);
         file.add_value(section(i, "history.dt"), body.history.dt);
         file.add_values(section(i, "history.x"), std::span<const Vec3>(body.history.x));
         file.add_values(section(i, "history.v"), std::span<const Vec3>(body.history.v));
@@ -87,14 +91,18 @@ void World::load_checkpoint(const std::filesystem::path& path) {
     std::vector<std::vector<Vec3>> modes;
     std::vector<History> histories;
     std::vector<std::vector<ContactSamples::Stick>> sticks;
+    std::vector<std::vector<BodyStick>> body_sticks;
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
         modes.push_back(file.values<Vec3>(section(i, "mode"), is_explicit(p.settings.integrator) ? n : 0));
-        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load"})
+        for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load",
+                                 "body_contact_energy"})
             (void)file.value<double>(section(i, what));
         sticks.push_back(file.values<ContactSamples::Stick>(section(i, "sticks"),
                                                             file.value<std::uint64_t>(section(i, "sticks.count"))));
+        body_sticks.push_back(file.values<BodyStick>(section(i, "body_sticks"),
+                                                     file.value<std::uint64_t>(section(i, "body_sticks.count"))));
         const double last_step = file.value<double>(section(i, "history.dt"));
         const std::size_t kept = last_step > 0 ? n : 0;
         histories.push_back({file.values<Vec3>(section(i, "history.x"), kept),
@@ -109,6 +117,8 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         body.history = std::move(histories[i]);
         body.step_energy.reset();
         body.sticks = std::move(sticks[i]);
+        body.body_sticks = std::move(body_sticks[i]);
+        body.body_contact_energy = file.value<double>(section(i, "body_contact_energy"));
         body.penalty_energy = file.value<double>(section(i, "penalty_energy"));
         body.carried_load = file.value<double>(section(i, "carried_load"));
         body.frequency.mode() = std::move(modes[i]);

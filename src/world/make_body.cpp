@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/format.h"
-#include "geometry/bvh.h"
+#include "geometry/closest_point.h"
 #include "geometry/mesh_check.h"
 #include "geometry/surface_distance.h"
 #include "geometry/thickness.h"
@@ -97,12 +97,8 @@ std::optional<std::uint32_t> find_cell_of_point(const DynamicBody& body, const V
     if (!is_finite(rest_point)) return {};
     const TriangleMesh& mesh = body.mesh;
     if (!WindingNumber(mesh).inside(rest_point)) {
-        const Bounds bounds = bounding_box(mesh);
-        double nearest = std::numeric_limits<double>::infinity();
-        for (const Triangle& t : mesh.triangles)
-            nearest = std::min(nearest, distance_to_triangle(rest_point, mesh.vertices[t[0]], mesh.vertices[t[1]],
-                                                             mesh.vertices[t[2]]));
-        if (nearest > 1e-6 * norm(bounds.size())) return {};
+        const double reach = 1e-6 * norm(bounding_box(mesh).size());
+        if (closest_point(mesh, build_bvh(mesh), rest_point, reach).triangle == no_triangle) return {};
     }
     return body.model.sampling.locate(body.model.sampling.frame.to_lattice(rest_point), {});
 }
@@ -126,6 +122,8 @@ void validate(const BodySettings& s) {
         refuse("kernel.dilation", k.dilation, "1.01 to 4");
     if (!std::isfinite(s.stabilization) || s.stabilization > 10)
         refuse("stabilization", s.stabilization, "0 to 10, or -1 for the default");
+    if (!(s.friction >= 0) || !std::isfinite(s.friction))
+        refuse("friction", s.friction, "a finite number of at least 0");
     validate(s.material);
     if (s.mean_dilatation == true && s.quadrature == Quadrature::nodes)
         throw Error(
@@ -180,6 +178,7 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     body->state.v.assign(body->model.rest.size(), settings.velocity);
     make_surface(*body, placed_mesh, checked, parts.threads);
     body->mesh = std::move(checked.mesh);
+    body->friction = settings.friction;
     find_rest_step(*body, parts);
     body->contact.emplace(body->model, body->mesh, body->rest_step, parts.threads);
     return body;

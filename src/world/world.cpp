@@ -42,6 +42,44 @@ void check_box(const BoxSelection& box, const char* what) {
             throw Error(std::string(what) + " box: its lower corner is above its upper one; swap them");
 }
 
+bool bodies_meet(Integrator integrator) {
+    return integrator == Integrator::implicit_euler || integrator == Integrator::bdf2;
+}
+
+/// Bodies that begin inside of each other stay that way: pushed apart, they would burst.
+void let_overlapping_pass(World::Parts& p, DynamicBody& added) {
+    const auto number = static_cast<std::uint32_t>(p.bodies.size());
+    for (std::uint32_t i = 0; i < number; ++i) {
+        DynamicBody& other = *p.bodies[i];
+        std::vector<Vec3> x = other.state.x;
+        x.insert(x.end(), added.state.x.begin(), added.state.x.end());
+        BodyContact contact({{&*other.contact, i, 0, other.state.x.size(), 0, other.model.sampling.spacing, {}, {}},
+                             {&*added.contact,
+                              number,
+                              other.state.x.size(),
+                              added.state.x.size(),
+                              0,
+                              added.model.sampling.spacing,
+                              {},
+                              {}}});
+        contact.find(x, x, p.threads);
+        const double depth = contact.deepest(x);
+        if (depth <= 0.1 * std::min(other.model.sampling.spacing, added.model.sampling.spacing)) continue;
+        added.apart.push_back(i);
+        other.apart.push_back(number);
+        p.warn("body " + std::to_string(number) + " begins " + format_number(depth) + " m inside of body " +
+               std::to_string(i) + ": these two pass through each other. Move one of them to let them meet");
+    }
+}
+
+/// Renumbers what names bodies after one was removed.
+void forget_number(DynamicBody& body, std::uint32_t removed) {
+    std::erase(body.apart, removed);
+    std::erase_if(body.body_sticks, [&](const BodyStick& stick) { return stick.other == removed; });
+    for (std::uint32_t& number : body.apart) number -= number > removed;
+    for (BodyStick& stick : body.body_sticks) stick.other -= stick.other > removed;
+}
+
 }  // namespace
 
 std::size_t World::Parts::index_of(BodyId id) const {
@@ -68,6 +106,11 @@ BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
     if (depth > 0.01 * body->model.node_length)
         p.warn("a body begins " + format_number(depth) + " m inside of a collider");
+    if (bodies_meet(p.settings.integrator)) let_overlapping_pass(p, *body);
+    else if (!p.bodies.empty())
+        p.warn(
+            "bodies meet each other only with the integrators implicit-euler and bdf2; here they pass through each "
+            "other");
     const BodyEnergy energy = body_energy(*body, p.around, p.threads);
     info.energy_at_start = energy.total();
     info.gravity_at_start = energy.gravitational;
@@ -87,6 +130,7 @@ void World::remove_body(BodyId id) {
     const std::size_t index = p.index_of(id);
     p.bodies.erase(p.bodies.begin() + static_cast<std::ptrdiff_t>(index));
     p.infos.erase(p.infos.begin() + static_cast<std::ptrdiff_t>(index));
+    for (const auto& body : p.bodies) forget_number(*body, static_cast<std::uint32_t>(index));
     p.slots[id.index].alive = false;
     ++p.slots[id.index].generation;
     for (Parts::Slot& slot : p.slots)

@@ -1,0 +1,64 @@
+#include "solver/coupled_bodies.h"
+
+#include "solver/nodal_vectors.h"
+
+namespace phyxel {
+
+CoupledBodies::CoupledBodies(std::vector<Part> parts, const BodyContact* contact, const Threads& t)
+    : threads(t), parts_(std::move(parts)), offset_{0}, contact_(contact) {
+    for (const Part& part : parts_) offset_.push_back(offset_.back() + part.potential->size());
+}
+
+void CoupledBodies::gradient(const std::vector<Vec3>& x, std::vector<Vec3>& g) {
+    for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].potential->gradient(of(p, x), of(p, g));
+    if (!contact_ || contact_->empty()) return;
+    std::vector<Vec3> force(x.size());
+    contact_->add_forces(x, force);
+    contact_->add_friction_forces(x, force);
+    for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].potential->add_free(-1, of(p, force), of(p, g));
+}
+
+void CoupledBodies::action(const std::vector<Vec3>& x, const std::vector<Vec3>& d, std::vector<Vec3>& out) {
+    for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].potential->action(of(p, x), of(p, d), of(p, out));
+    if (!contact_ || contact_->empty()) return;
+    std::vector<Vec3> force(x.size());
+    contact_->add_action(x, d, force);
+    for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].potential->add_free(1, of(p, force), of(p, out));
+}
+
+void CoupledBodies::place_held(std::vector<Vec3>& x) const {
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+        parts_[p].potential->body.constraints.place_held(parts_[p].potential->time, of(p, x));
+}
+
+void CoupledBodies::turn(const std::vector<Vec3>& x) {
+    for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].preconditioner->turn(of(p, x), threads);
+}
+
+void CoupledBodies::support(const std::vector<Vec3>& x) {
+    std::vector<Mat3> between;
+    if (contact_ && !contact_->empty()) {
+        between.resize(x.size());
+        contact_->add_lumped(x, between);
+    }
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        std::vector<Mat3> blocks = parts_[p].potential->supports(of(p, x));
+        if (!between.empty()) {
+            blocks.resize(parts_[p].potential->size());
+            for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] += between[offset_[p] + i];
+        }
+        parts_[p].preconditioner->set_supports(std::move(blocks), threads);
+    }
+}
+
+void CoupledBodies::precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z) {
+    if (parts_.size() == 1) return parts_.front().preconditioner->apply(r, z, threads);
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const std::span<const Vec3> own = of(p, r);
+        std::vector<Vec3> residual(own.begin(), own.end()), result(own.size());
+        parts_[p].preconditioner->apply(residual, result, threads);
+        std::copy(result.begin(), result.end(), of(p, z).begin());
+    }
+}
+
+}  // namespace phyxel

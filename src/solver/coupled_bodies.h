@@ -1,0 +1,52 @@
+#pragma once
+
+#include "contact/body_contact.h"
+#include "solver/incremental_potential.h"
+#include "solver/warped_preconditioner.h"
+
+namespace phyxel {
+
+/// Bodies whose implicit steps are found together because they touch, or one alone: the sum of their potentials and of
+/// the contact between them, over the node positions of all, one body after the other.
+class CoupledBodies {
+public:
+    struct Part {
+        IncrementalPotential* potential;
+        WarpedPreconditioner* preconditioner;
+    };
+
+    /// `contact` may be null.
+    CoupledBodies(std::vector<Part> parts, const BodyContact* contact, const Threads& threads);
+
+    std::size_t size() const { return offset_.back(); }
+    /// The part of a vector over all nodes that belongs to one body.
+    std::span<Vec3> of(std::size_t part, std::vector<Vec3>& all) const {
+        return std::span(all).subspan(offset_[part], offset_[part + 1] - offset_[part]);
+    }
+    std::span<const Vec3> of(std::size_t part, const std::vector<Vec3>& all) const {
+        return std::span(all).subspan(offset_[part], offset_[part + 1] - offset_[part]);
+    }
+
+    /// Writes the derivative by x; held components are 0.
+    void gradient(const std::vector<Vec3>& x, std::vector<Vec3>& g);
+    /// Writes the second derivative at x applied to d, held components 0.
+    void action(const std::vector<Vec3>& x, const std::vector<Vec3>& d, std::vector<Vec3>& out);
+    /// Moves held components to where their grips are at the end of the step.
+    void place_held(std::vector<Vec3>& x) const;
+
+    /// Turns the frames of the preconditioner with the bodies at x.
+    void turn(const std::vector<Vec3>& x);
+    /// Takes the stiffness of contact at x into the preconditioner; after `turn`.
+    void support(const std::vector<Vec3>& x);
+    /// z = V r, body by body.
+    void precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z);
+
+    const Threads& threads;
+
+private:
+    std::vector<Part> parts_;
+    std::vector<std::size_t> offset_;  ///< [parts + 1] first node of each body
+    const BodyContact* contact_;
+};
+
+}  // namespace phyxel
