@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "approximation/all_kernels.h"
+
 namespace phyxel {
 namespace {
-
-constexpr KernelShape all_kernels[] = {KernelShape::quartic_spline, KernelShape::poly6, KernelShape::cubic_spline,
-                                       KernelShape::wendland};
 
 TEST(Kernel, is_one_at_the_point_and_zero_from_the_support_on) {
     for (KernelShape kernel : all_kernels) {

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <random>
 
-#include "approximation/kernel.h"
+#include "approximation/all_kernels.h"
 #include "geometry/clipping_shapes.h"
 
 namespace phyxel {
 namespace {
 
-constexpr KernelShape all_kernels[] = {KernelShape::quartic_spline, KernelShape::poly6, KernelShape::cubic_spline,
-                                       KernelShape::wendland};
 constexpr double support = 2.2;  // of nodes one apart
 
 /// Nodes of a lattice shaken by a fifth of the spacing, as seen from a point near the middle.

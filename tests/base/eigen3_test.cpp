@@ -11,7 +11,7 @@ Mat3 recompose(const SymmetricEigen3& eigen) {
     return eigen.vectors * Mat3::diagonal(eigen.values) * transpose(eigen.vectors);
 }
 
-void expect_decomposition(const Mat3& A) {
+void expect_eigenvalues(const Mat3& A) {
     const SymmetricEigen3 eigen = symmetric_eigen(A);
     const double scale = norm(A);
     EXPECT_LE(norm(recompose(eigen) - A), 4e-15 * scale);
@@ -27,7 +27,7 @@ TEST(SymmetricEigen, recomposes_random_matrices) {
     for (int i = 0; i < 20000; ++i) {
         Mat3 A;
         for (Vec3& row : A.rows) row = {normal(random), normal(random), normal(random)};
-        expect_decomposition(A + transpose(A));
+        expect_eigenvalues(A + transpose(A));
     }
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/rotation.h"
 #include "base/svd.h"
 
 namespace phyxel {
@@ -39,11 +40,6 @@ double worst_distance_from_svd(double low, double high, double factor) {
         worst = std::max(worst, norm(polar_rotation(F) - polar_detail::rotation_by_svd(F)));
     }
     return worst;
-}
-
-void expect_rotation(const Mat3& R) {
-    EXPECT_LE(norm(transpose(R) * R - Mat3::identity()), 5e-15);
-    EXPECT_NEAR(determinant(R), 1, 5e-15);
 }
 
 TEST(PolarRotation, equals_the_singular_value_decomposition_under_mild_stretch) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "base/rotation.h"
+
 namespace phyxel {
 namespace {
 
@@ -16,12 +18,7 @@ Mat3 random_matrix(std::mt19937& random) {
     return A;
 }
 
-void expect_rotation(const Mat3& R) {
-    EXPECT_LE(norm(transpose(R) * R - Mat3::identity()), 5e-15);
-    EXPECT_NEAR(determinant(R), 1, 5e-15);
-}
-
-void expect_decomposition(const Mat3& A) {
+void expect_singular_values(const Mat3& A) {
     const Svd3 svd = rotation_variant_svd(A);
     const double scale = std::max(svd.values.x, 1e-300);
     EXPECT_LE(norm((svd.U * Mat3::diagonal(svd.values) * transpose(svd.V) - A) * (1 / scale)), 1e-14);
@@ -35,7 +32,7 @@ TEST(RotationVariantSvd, recomposes_random_matrices_by_rotations_with_the_sign_i
     std::mt19937 random(2);
     for (int i = 0; i < 20000; ++i) {
         const Mat3 A = random_matrix(random);
-        expect_decomposition(A);
+        expect_singular_values(A);
         const double det = determinant(A);
         EXPECT_EQ(rotation_variant_svd(A).values.z > 0, det > 0) << det;
     }
@@ -47,8 +44,8 @@ TEST(RotationVariantSvd, recomposes_singular_repeated_and_wildly_scaled_values) 
     for (const Vec3& d : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 2}, Vec3{1, 1, 0}, Vec3{1, 1, 1}, Vec3{1, 1, -1},
                           Vec3{-1, -1, -1}, Vec3{2, 1, 1}, Vec3{1, 1e-9, 1e-18}, Vec3{1e150, 1e-150, 1},
                           Vec3{1e-200, 2e-200, 3e-200}, Vec3{1e200, 1e200, -1e200}}) {
-        expect_decomposition(U * Mat3::diagonal(d) * transpose(V));
-        expect_decomposition(Mat3::diagonal(d));
+        expect_singular_values(U * Mat3::diagonal(d) * transpose(V));
+        expect_singular_values(Mat3::diagonal(d));
     }
 }
 

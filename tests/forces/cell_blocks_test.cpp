@@ -3,18 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "forces/internal_forces.h"
+#include "model/all_laws.h"
 #include "model/modelled.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
-
-const Threads threads(2);
-
-struct Case {
-    std::string name;
-    Model model;
-};
 
 BodySettings plain_settings(const Scheme& scheme = all_schemes()[0]) {
     BodySettings settings = settings_of(scheme);
@@ -35,9 +30,9 @@ TriangleMesh two_plates(double spacing) {
     return both;
 }
 
-const std::vector<Case>& bodies() {
-    static const std::vector<Case> all = [] {
-        std::vector<Case> cases;
+const std::vector<NamedModel>& bodies() {
+    static const std::vector<NamedModel> all = [] {
+        std::vector<NamedModel> cases;
         cases.push_back({"beam", modelled(make_box({0.1, 0.1, 0.8}), plain_settings(), 0.025)});
         cases.push_back({"thick box", modelled(make_box({1.2, 1.2, 1.2}), plain_settings(), 0.1)});
         cases.push_back({"sphere", modelled(make_sphere(0.5), plain_settings(), 0.125)});
@@ -49,20 +44,6 @@ const std::vector<Case>& bodies() {
         return cases;
     }();
     return all;
-}
-
-std::vector<std::pair<std::string, Material>> all_laws() {
-    const Material soft = {.density = 1000, .youngs_modulus = 1e6, .poissons_ratio = 0.3, .law = Law::linear};
-    Material volume = saint_venant_kirchhoff(soft), nearly_incompressible = soft;
-    volume.volume_stiffness = 2e6;
-    nearly_incompressible.poissons_ratio = 0.49;
-    return {{"linear", soft},
-            {"saint venant-kirchhoff", saint_venant_kirchhoff(soft)},
-            {"saint venant-kirchhoff with volume force", volume},
-            {"corotated", corotated(soft)},
-            {"neo-hookean", neo_hookean(soft)},
-            {"corotated, nearly incompressible", corotated(nearly_incompressible)},
-            {"neo-hookean, nearly incompressible", neo_hookean(nearly_incompressible)}};
 }
 
 std::vector<Vec3> double_forces(const Model& m, std::span<const Vec3> x) {

@@ -4,14 +4,13 @@
 
 #include <cstring>
 
+#include "forces/loaded_box.h"
 #include "model/modelled.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
 
-const Threads threads(2);
-
-constexpr Vec3 sides = {1, 0.8, 0.6};
 constexpr BoxSelection left_face = {{-1, -1, -1}, {-0.499, 1, 1}};
 
 Model box_model(const BodySettings& settings, double spacing = 0.2) {

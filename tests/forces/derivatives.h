@@ -2,12 +2,11 @@
 
 #include "forces/internal_forces.h"
 #include "model/modelled.h"
+#include "support/two_threads.h"
 
 /// Forces and stiffness of a model against differences of its energy.
 
 namespace phyxel {
-
-inline const Threads threads(2);
 
 inline double total_energy(const Model& m, std::span<const Vec3> x) {
     ForceWorkspace work;

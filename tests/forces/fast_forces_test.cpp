@@ -4,6 +4,7 @@
 
 #include "forces/internal_forces.h"
 #include "model/modelled.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
@@ -14,9 +15,9 @@ std::vector<Vec3f> in_float(std::span<const Vec3> v) {
     return result;
 }
 
-std::vector<Vec3f> rest_times(const Model& m, std::span<const Vec3> d, const Threads& threads) {
+std::vector<Vec3f> rest_times(const Model& m, std::span<const Vec3> d, const Threads& with) {
     std::vector<Vec3f> out(d.size());
-    FastForces(m, CellBlocks(m, threads)).rest_action(m, in_float(d), threads, out);
+    FastForces(m, CellBlocks(m, with)).rest_action(m, in_float(d), with, out);
     return out;
 }
 
@@ -27,7 +28,6 @@ Model turned_box(double stabilization) {
 }
 
 TEST(FastForces, are_those_in_double_precision_with_stabilization) {
-    const Threads threads(2);
     for (const double stabilization : {0.2, 0.0}) {
         const Model m = turned_box(stabilization);
         const auto x = turned_stretched_and_shaken(m);
@@ -43,7 +43,6 @@ TEST(FastForces, are_those_in_double_precision_with_stabilization) {
 }
 
 TEST(FastForces, rest_action_is_the_stiffness_action_at_rest) {
-    const Threads threads(2);
     const Model m = turned_box(0.2);
     const auto d = random_field(m.rest.size(), 1, 3);
     std::vector<Vec3> exact(d.size()), found;
@@ -56,9 +55,9 @@ TEST(FastForces, rest_action_is_the_stiffness_action_at_rest) {
 TEST(FastForces, are_the_same_for_any_number_of_threads) {
     const Model m = turned_box(0.2);
     const auto x = turned_stretched_and_shaken(m), d = random_field(m.rest.size(), 1, 3);
-    const auto forces = [&](const Threads& threads) {
+    const auto forces = [&](const Threads& with) {
         std::vector<Vec3> f(x.size());
-        FastForces(m, CellBlocks(m, threads)).forces(m, x, threads, f);
+        FastForces(m, CellBlocks(m, with)).forces(m, x, with, f);
         return f;
     };
     const auto f = forces(Threads(1));

@@ -3,21 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "forces/derivatives.h"
+#include "model/all_laws.h"
 #include "model/modelled.h"
 #include "support/measured.h"
 
 namespace phyxel {
 namespace {
 
-/// A body under test with its name for messages.
-struct Case {
-    std::string name;
-    Model model;
-};
-
 /// All schemes with and without stabilization and correction: a box of 70 to 120 nodes that no lattice plane fits.
-std::vector<Case> all_discretizations() {
-    std::vector<Case> cases;
+std::vector<NamedModel> all_discretizations() {
+    std::vector<NamedModel> cases;
     for (const Scheme& scheme : all_schemes())
         for (const double stabilization : {-1.0, 0.0})
             for (const bool correction : {true, false}) {
@@ -29,19 +24,6 @@ std::vector<Case> all_discretizations() {
                      modelled(make_box({1, 0.8, 0.6}), settings, equal_spacing(scheme, 0.28))});
             }
     return cases;
-}
-
-std::vector<std::pair<std::string, Material>> all_laws() {
-    const Material soft = {.density = 1000, .youngs_modulus = 1e6, .poissons_ratio = 0.3, .law = Law::linear};
-    Material volume = saint_venant_kirchhoff(soft), stiff = neo_hookean(soft);
-    volume.volume_stiffness = 2e6;
-    stiff.poissons_ratio = 0.49;
-    return {{"linear", soft},
-            {"saint venant-kirchhoff", saint_venant_kirchhoff(soft)},
-            {"saint venant-kirchhoff with volume force", volume},
-            {"corotated", corotated(soft)},
-            {"neo-hookean", neo_hookean(soft)},
-            {"neo-hookean, nearly incompressible", stiff}};
 }
 
 /// Calls `check(name, model)` for every discretization with every law.

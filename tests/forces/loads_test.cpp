@@ -2,17 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "forces/loaded_box.h"
 #include "model/modelled.h"
 #include "phyxel/error.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
 
-const Threads threads(2);
-
-constexpr Vec3 sides = {1, 0.8, 0.6};
-constexpr BoxSelection everything = {{-10, -10, -10}, {10, 10, 10}};
 constexpr BoxSelection right_face = {{0.499, -1, -1}, {1, 1, 1}};
 /// A rectangle of the right face: y from -0.1 to 0.3, z from 0 to 0.2, which cuts triangles and cells.
 constexpr BoxSelection patch = {{0.499, -0.1, 0}, {1, 0.3, 0.2}};

@@ -1,19 +1,17 @@
 #include <gtest/gtest.h>
 
 #include "forces/internal_forces.h"
+#include "forces/loaded_box.h"
 #include "forces/selection.h"
 #include "model/modelled.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 /// The traction patch test: under a constant stress a body is in equilibrium with the tractions of that stress on its
 /// whole surface, at every node. This is what the consistency correction is for.
 
 namespace phyxel {
 namespace {
-
-const Threads threads(2);
-
-constexpr BoxSelection everything = {{-10, -10, -10}, {10, 10, 10}};
 
 /// f_i = integral of phi_i sigma n over the surface mesh, found by the same clipping as loads.
 std::vector<Vec3> traction_forces(const Model& m, const TriangleMesh& mesh, const Mat3& sigma) {
@@ -44,7 +42,7 @@ double patch_error(const TriangleMesh& mesh, const Model& m) {
 
 /// The patch error of every body on both poses of the lattice, aligned first; `check(name, aligned, error)`.
 template <class Check>
-void for_all_bodies(const Scheme& scheme, bool corrected, Check&& check) {
+void for_patch_bodies(const Scheme& scheme, bool corrected, Check&& check) {
     for (const auto& [name, mesh] : patch_bodies())
         for (const bool aligned : {true, false}) {
             BodySettings settings = aligned ? settings_of(scheme) : turned(settings_of(scheme));
@@ -63,14 +61,14 @@ protected:
 };
 
 TEST_P(TractionPatch, constant_stress_is_in_equilibrium_with_its_tractions) {
-    for_all_bodies(scheme(), true, [](const std::string& name, bool, double error) {
+    for_patch_bodies(scheme(), true, [](const std::string& name, bool, double error) {
         EXPECT_LE(error, 1e-10) << name;
         measured(name, error);
     });
 }
 
 TEST_P(TractionPatch, fails_without_the_correction) {
-    for_all_bodies(scheme(), false, [](const std::string& name, bool aligned, double error) {
+    for_patch_bodies(scheme(), false, [](const std::string& name, bool aligned, double error) {
         EXPECT_GT(error, aligned ? 1e-3 : 1e-2) << name;
         measured(name, error);
     });

@@ -35,6 +35,11 @@ inline TriangleMesh transformed(TriangleMesh mesh, const Mat3& rotation, const V
     return mesh;
 }
 
+inline TriangleMesh moved(TriangleMesh mesh, const Vec3& by) {
+    for (Vec3& v : mesh.vertices) v += by;
+    return mesh;
+}
+
 inline Vec3 random_vector(std::mt19937& random) {
     std::uniform_real_distribution<double> uniform(-1, 1);
     const double x = uniform(random), y = uniform(random), z = uniform(random);

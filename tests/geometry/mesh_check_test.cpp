@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "geometry/clipping_shapes.h"
 #include "geometry/mesh_measure.h"
 #include "geometry/winding_volume.h"
 
@@ -12,26 +13,9 @@ using std::numbers::pi;
 
 namespace {
 
-TriangleMesh moved(TriangleMesh mesh, const Vec3& by) {
-    for (Vec3& x : mesh.vertices) x += by;
-    return mesh;
-}
-
 TriangleMesh scaled(TriangleMesh mesh, double by) {
     for (Vec3& x : mesh.vertices) x *= by;
     return mesh;
-}
-
-TriangleMesh turned(TriangleMesh mesh) {
-    for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
-    return mesh;
-}
-
-TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
-    const auto first = static_cast<std::uint32_t>(a.vertices.size());
-    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-    for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({i + first, j + first, k + first});
-    return a;
 }
 
 /// The triangles whose centroid satisfies `keep`.
@@ -138,7 +122,7 @@ TEST(MeshCheck, triangles_are_turned_to_agree) {
 }
 
 TEST(MeshCheck, body_inside_out_as_a_whole_is_turned) {
-    const CheckedMesh checked = check_and_repair(turned(make_sphere(1)));
+    const CheckedMesh checked = check_and_repair(inverted(make_sphere(1)));
     EXPECT_TRUE(checked.report.inside_out);
     EXPECT_TRUE(checked.report.can_be_simulated);
     EXPECT_TRUE(checked.closed_and_simple);
@@ -147,8 +131,8 @@ TEST(MeshCheck, body_inside_out_as_a_whole_is_turned) {
 }
 
 TEST(MeshCheck, cavity_stays_a_cavity_also_when_the_whole_is_inside_out) {
-    const TriangleMesh hollow = together(make_sphere(1), turned(moved(make_sphere(0.5), {0.2, 0, 0})));
-    for (const TriangleMesh& mesh : {hollow, turned(hollow)}) {
+    const TriangleMesh hollow = joined(make_sphere(1), inverted(moved(make_sphere(0.5), {0.2, 0, 0})));
+    for (const TriangleMesh& mesh : {hollow, inverted(hollow)}) {
         const CheckedMesh checked = check_and_repair(mesh);
         EXPECT_TRUE(checked.closed_and_simple);
         EXPECT_EQ(checked.report.components, 2u);
@@ -158,20 +142,20 @@ TEST(MeshCheck, cavity_stays_a_cavity_also_when_the_whole_is_inside_out) {
 }
 
 TEST(MeshCheck, one_of_two_bodies_inside_out_is_turned_alone) {
-    const CheckedMesh checked = check_and_repair(together(make_sphere(1), turned(moved(make_sphere(0.5), {3, 0, 0}))));
+    const CheckedMesh checked = check_and_repair(joined(make_sphere(1), inverted(moved(make_sphere(0.5), {3, 0, 0}))));
     EXPECT_TRUE(checked.closed_and_simple);
     EXPECT_NEAR(checked.report.volume, 4 * pi / 3 * 1.125, 1e-12);
 }
 
 TEST(MeshCheck, solid_within_a_solid_counts_once) {
-    const CheckedMesh checked = check_and_repair(together(make_sphere(1), make_sphere(0.5)));
+    const CheckedMesh checked = check_and_repair(joined(make_sphere(1), make_sphere(0.5)));
     EXPECT_TRUE(checked.report.can_be_simulated);
     EXPECT_FALSE(checked.closed_and_simple);
     EXPECT_NEAR(checked.report.volume / (4 * pi / 3), 1, 0.005);
 }
 
 TEST(MeshCheck, overlap_counts_once) {
-    const CheckedMesh checked = check_and_repair(together(make_sphere(1), moved(make_sphere(1), {1, 0, 0})));
+    const CheckedMesh checked = check_and_repair(joined(make_sphere(1), moved(make_sphere(1), {1, 0, 0})));
     const MeshReport& r = checked.report;
     EXPECT_TRUE(r.can_be_simulated) << r.refusal;
     EXPECT_FALSE(checked.closed_and_simple);
@@ -221,7 +205,7 @@ TEST(MeshCheck, surfaces_without_an_inside_are_refused) {
     line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
     TriangleMesh flat_box = make_box({1, 1, 1});
     for (Vec3& x : flat_box.vertices) x.y = 0;
-    TriangleMesh both_sides = together(sheet, turned(sheet));
+    TriangleMesh both_sides = joined(sheet, inverted(sheet));
     for (const TriangleMesh& mesh :
          {sheet, triangle, point, line, flat_box, both_sides, band(60, true), band(60, false)}) {
         const MeshReport r = check_mesh(mesh);
@@ -261,21 +245,20 @@ TEST(MeshCheck, size_does_not_matter_within_sixteen_decades) {
     for (const double scale : {1e-8, 1e-4, 1e4, 1e8}) {
         const CheckedMesh checked = check_and_repair(scaled(make_sphere(1), scale));
         EXPECT_TRUE(checked.closed_and_simple) << scale;
-        const MeshReport overlap =
-            check_mesh(scaled(together(make_sphere(1), moved(make_sphere(1), {1, 0, 0})), scale));
+        const MeshReport overlap = check_mesh(scaled(joined(make_sphere(1), moved(make_sphere(1), {1, 0, 0})), scale));
         EXPECT_TRUE(overlap.can_be_simulated) << scale << overlap.refusal;
     }
 }
 
 TEST(MeshCheck, bodies_that_share_a_vertex_or_an_edge_stay_simple) {
     TriangleMesh box = make_box({1, 1, 1});
-    const CheckedMesh at_vertex = check_and_repair(together(box, moved(box, {1, 1, 1})));
+    const CheckedMesh at_vertex = check_and_repair(joined(box, moved(box, {1, 1, 1})));
     EXPECT_TRUE(at_vertex.closed_and_simple);
     EXPECT_EQ(at_vertex.report.nonmanifold_vertices, 1u);
     EXPECT_EQ(at_vertex.report.nonmanifold_edges, 0u);
     EXPECT_NEAR(at_vertex.report.volume, 2, 1e-12);
 
-    const CheckedMesh at_edge = check_and_repair(together(box, turned(moved(box, {1, 1, 0}))));
+    const CheckedMesh at_edge = check_and_repair(joined(box, inverted(moved(box, {1, 1, 0}))));
     EXPECT_EQ(at_edge.report.nonmanifold_edges, 16u);
     EXPECT_TRUE(at_edge.report.can_be_simulated);
     EXPECT_NEAR(at_edge.report.volume, 2, 0.02);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/clipping_shapes.h"
+
 using namespace phyxel;
 
 namespace {
@@ -14,18 +16,6 @@ bool cross_each_other(const Corners& a, const Corners& b) {
     const bool one = intersect_triangles(a, b, tolerance).has_value();
     EXPECT_EQ(one, intersect_triangles(b, a, tolerance).has_value());
     return one;
-}
-
-TriangleMesh moved(TriangleMesh mesh, const Vec3& by) {
-    for (Vec3& x : mesh.vertices) x += by;
-    return mesh;
-}
-
-TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
-    const auto first = static_cast<std::uint32_t>(a.vertices.size());
-    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-    for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({i + first, j + first, k + first});
-    return a;
 }
 
 std::size_t crossings(const TriangleMesh& mesh) { return find_self_intersections(mesh, build_bvh(mesh)).pairs; }
@@ -83,7 +73,7 @@ TEST(SelfIntersections, clean_shapes_have_none) {
 TEST(SelfIntersections, tree_finds_as_many_as_trying_all_pairs) {
     TriangleMesh bar = make_box({1, 0.3, 0.3}), turned = bar;
     for (Vec3& x : turned.vertices) x = rotation_about(normalized(Vec3{1, 2, 3}), 1) * x;
-    const TriangleMesh mesh = together(bar, moved(turned, {0.03, 0.02, 0.01}));
+    const TriangleMesh mesh = joined(bar, moved(turned, {0.03, 0.02, 0.01}));
     const SelfIntersections found = find_self_intersections(mesh, build_bvh(mesh));
     EXPECT_GT(found.pairs, 20u);
     EXPECT_EQ(found.pairs, crossings_of_all_pairs(mesh));
@@ -99,6 +89,6 @@ TEST(SelfIntersections, a_vertex_pushed_through_the_other_side_is_found) {
 
 TEST(SelfIntersections, boxes_that_overlap_with_faces_in_common_planes_are_found_and_boxes_that_touch_are_not) {
     const TriangleMesh box = make_box({1, 1, 1});
-    EXPECT_GT(crossings(together(box, moved(box, {0.5, 0, 0}))), 0u);
-    EXPECT_EQ(crossings(together(box, moved(box, {1, 0, 0}))), 0u);
+    EXPECT_GT(crossings(joined(box, moved(box, {0.5, 0, 0}))), 0u);
+    EXPECT_EQ(crossings(joined(box, moved(box, {1, 0, 0}))), 0u);
 }

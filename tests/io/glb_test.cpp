@@ -9,6 +9,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "io/tetrahedron.h"
 #include "phyxel/error.h"
 #include "support/file_bytes.h"
 #include "support/temporary_directory.h"
@@ -19,9 +20,7 @@ namespace {
 using test::read_bytes;
 using test::TemporaryDirectory;
 
-const std::vector<Vec3f> tetrahedron = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 const std::vector<Vec3f> up(4, Vec3f{0, 1, 0});
-const std::vector<Triangle> triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
 std::vector<Vec3f> moved(std::vector<Vec3f> points, const Vec3f& by) {
     for (Vec3f& p : points) p += by;
@@ -30,7 +29,7 @@ std::vector<Vec3f> moved(std::vector<Vec3f> points, const Vec3f& by) {
 
 /// Two bodies; the second one falls by 0.1 a frame.
 void write_fall(const std::filesystem::path& path, std::size_t frames) {
-    const GlbMesh meshes[] = {{"rock", triangles, {1, 0, 0}}, {"jelly", triangles}};
+    const GlbMesh meshes[] = {{"rock", tetrahedron_faces, {1, 0, 0}}, {"jelly", tetrahedron_faces}};
     GlbWriter writer(path, meshes);
     for (std::size_t frame = 0; frame < frames; ++frame) {
         const auto height = static_cast<float>(frame) * -0.1f;
@@ -168,7 +167,7 @@ TEST(Glb, of_one_frame_is_a_still) {
 
 TEST(Glb, leaves_out_a_frame_that_is_not_later_than_the_last) {
     const TemporaryDirectory folder;
-    const GlbMesh meshes[] = {{"jelly", triangles}};
+    const GlbMesh meshes[] = {{"jelly", tetrahedron_faces}};
     GlbWriter writer(folder / "a.glb", meshes);
     const GlbPose pose[] = {{tetrahedron, up}};
     for (const double time : {0.0, 0.5, 0.5, 0.25, 0.5 + 1e-12, 1.0}) writer.add_frame(time, pose);
@@ -177,7 +176,7 @@ TEST(Glb, leaves_out_a_frame_that_is_not_later_than_the_last) {
 
 TEST(Glb, refuses_a_surface_that_changes) {
     const TemporaryDirectory folder;
-    const GlbMesh meshes[] = {{"jelly", triangles}};
+    const GlbMesh meshes[] = {{"jelly", tetrahedron_faces}};
     GlbWriter writer(folder / "a.glb", meshes);
     const GlbPose first[] = {{tetrahedron, up}};
     writer.add_frame(0, first);
@@ -193,7 +192,7 @@ TEST(Glb, refuses_a_surface_that_changes) {
 
 TEST(Glb, refuses_to_grow_beyond_what_the_format_holds) {
     const TemporaryDirectory folder;
-    const GlbMesh meshes[] = {{"jelly", triangles}};
+    const GlbMesh meshes[] = {{"jelly", tetrahedron_faces}};
     GlbWriter writer(folder / "a.glb", meshes);
     const GlbPose pose[] = {{tetrahedron, up}};
     std::string message;
@@ -209,7 +208,7 @@ TEST(Glb, refuses_to_grow_beyond_what_the_format_holds) {
 
 TEST(Glb, never_holds_a_value_that_is_not_finite) {
     const TemporaryDirectory folder;
-    const GlbMesh meshes[] = {{"jelly", triangles}};
+    const GlbMesh meshes[] = {{"jelly", tetrahedron_faces}};
     GlbWriter writer(folder / "a.glb", meshes);
     std::vector<Vec3f> lost = tetrahedron;
     lost[3].z = std::nanf("");

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <vector>
 
+#include "io/tetrahedron.h"
 #include "phyxel/error.h"
 #include "support/file_bytes.h"
 #include "support/temporary_directory.h"
@@ -18,7 +19,6 @@ using test::read_bytes;
 using test::TemporaryDirectory;
 
 const std::vector<Vec3f> positions = {{0, 0, 0}, {1.0f / 3, 0, 0}, {0, 1e-20f, 0}, {0, 0, -7e10f}};
-const std::vector<Triangle> triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
 template <class T>
 T take(const std::string& bytes, std::size_t& at) {
@@ -30,7 +30,7 @@ T take(const std::string& bytes, std::size_t& at) {
 
 TEST(Ply, without_normals_is_exactly_the_form_of_fragments) {
     const TemporaryDirectory folder;
-    write_ply(folder / "a.ply", {positions, triangles});
+    write_ply(folder / "a.ply", {positions, tetrahedron_faces});
     const std::string bytes = read_bytes(folder / "a.ply");
     const std::string header =
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\n"
@@ -40,7 +40,7 @@ TEST(Ply, without_normals_is_exactly_the_form_of_fragments) {
     ASSERT_EQ(bytes.size(), header.size() + 4 * 12 + 4 * 13);
     std::size_t at = header.size();
     for (const Vec3f& p : positions) EXPECT_EQ(take<Vec3f>(bytes, at), p);
-    for (const Triangle& t : triangles) {
+    for (const Triangle& t : tetrahedron_faces) {
         EXPECT_EQ(take<std::uint8_t>(bytes, at), 3);
         EXPECT_EQ(take<Triangle>(bytes, at), t);
     }
@@ -50,7 +50,7 @@ TEST(Ply, holds_normals_and_scalars_with_each_vertex) {
     const TemporaryDirectory folder;
     const std::vector<float> heat = {1, 2, 3, 4};
     const VertexScalar scalars[] = {{"von_mises", heat}};
-    write_ply(folder / "a.ply", {positions, triangles, positions, scalars});
+    write_ply(folder / "a.ply", {positions, tetrahedron_faces, positions, scalars});
     const std::string bytes = read_bytes(folder / "a.ply");
     EXPECT_NE(bytes.find("property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
                          "property float von_mises\nelement face 4\n"),
@@ -66,7 +66,7 @@ TEST(Ply, holds_normals_and_scalars_with_each_vertex) {
 
 TEST(Obj, reads_back_as_the_same_surface) {
     const TemporaryDirectory folder;
-    write_obj(folder / "a.obj", {positions, triangles, positions});
+    write_obj(folder / "a.obj", {positions, tetrahedron_faces, positions});
     std::istringstream text(read_bytes(folder / "a.obj"));
     std::vector<Vec3f> read_positions, read_normals;
     std::vector<Triangle> read_triangles;
@@ -90,12 +90,12 @@ TEST(Obj, reads_back_as_the_same_surface) {
     }
     EXPECT_EQ(read_positions, positions);
     EXPECT_EQ(read_normals, positions);
-    EXPECT_EQ(read_triangles, triangles);
+    EXPECT_EQ(read_triangles, tetrahedron_faces);
 }
 
 TEST(Obj, without_normals_has_plain_faces) {
     const TemporaryDirectory folder;
-    write_obj(folder / "a.obj", {positions, triangles});
+    write_obj(folder / "a.obj", {positions, tetrahedron_faces});
     const std::string text = read_bytes(folder / "a.obj");
     EXPECT_EQ(text.substr(0, 8), "v 0 0 0\n");
     EXPECT_NE(text.find("f 1 3 2\n"), std::string::npos);
@@ -109,9 +109,9 @@ TEST(SurfaceFile, never_holds_a_value_that_is_not_finite) {
     std::vector<float> heat = {1, 2, std::nanf(""), 4};
     const VertexScalar scalars[] = {{"heat", heat}};
     for (const auto write : {write_ply, write_obj}) {
-        EXPECT_THROW(write(folder / "a", {lost, triangles}), Error);
-        EXPECT_THROW(write(folder / "a", {positions, triangles, lost}), Error);
-        EXPECT_THROW(write(folder / "a", {positions, triangles, {}, scalars}), Error);
+        EXPECT_THROW(write(folder / "a", {lost, tetrahedron_faces}), Error);
+        EXPECT_THROW(write(folder / "a", {positions, tetrahedron_faces, lost}), Error);
+        EXPECT_THROW(write(folder / "a", {positions, tetrahedron_faces, {}, scalars}), Error);
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

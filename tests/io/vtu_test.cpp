@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "io/tetrahedron.h"
 #include "phyxel/error.h"
 #include "support/file_bytes.h"
 #include "support/little_xml.h"
@@ -142,17 +143,15 @@ TEST_P(Vtu, of_points_gives_back_every_bit) {
 }
 
 TEST_P(Vtu, of_a_surface_gives_back_its_triangles) {
-    const std::vector<Vec3f> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const std::vector<Triangle> triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-    const FieldArray fields[] = {vector_field("normal", positions)};
-    write_vtu_surface(folder_ / "a.vtu", positions, triangles, fields, options());
+    const FieldArray fields[] = {vector_field("normal", tetrahedron)};
+    write_vtu_surface(folder_ / "a.vtu", tetrahedron, tetrahedron_faces, fields, options());
 
     const VtuReader file(folder_ / "a.vtu");
     EXPECT_EQ(file.piece().attributes.at("NumberOfPoints"), "4");
     EXPECT_EQ(file.array("Points", "Points").attributes.at("type"), "Float32");
-    EXPECT_EQ(file.values<Vec3f>("Points", "Points"), positions);
-    EXPECT_EQ(file.values<Vec3f>("PointData", "normal"), positions);
-    EXPECT_EQ(file.values<Triangle>("Cells", "connectivity"), triangles);
+    EXPECT_EQ(file.values<Vec3f>("Points", "Points"), tetrahedron);
+    EXPECT_EQ(file.values<Vec3f>("PointData", "normal"), tetrahedron);
+    EXPECT_EQ(file.values<Triangle>("Cells", "connectivity"), tetrahedron_faces);
     EXPECT_EQ(file.values<std::int32_t>("Cells", "offsets"), (std::vector<std::int32_t>{3, 6, 9, 12}));
     EXPECT_EQ(file.values<std::uint8_t>("Cells", "types"), std::vector<std::uint8_t>(4, 5));
 }

@@ -14,6 +14,12 @@ inline Model modelled(const TriangleMesh& mesh, const BodySettings& settings, do
     return build_model(sampled(mesh, settings, spacing), settings, Threads(2), report);
 }
 
+/// A body under test with its name for messages.
+struct NamedModel {
+    std::string name;
+    Model model;
+};
+
 /// Whole cubic cells with a point at each node: the bodies of Stegmayr 2008.
 inline Model whole_cell_model(const std::array<int, 3>& counts, double spacing, const BodySettings& settings) {
     StencilReport report;

@@ -7,9 +7,6 @@
 namespace phyxel {
 namespace {
 
-using test::all_finite;
-using test::small_body;
-
 /// Dropped onto a floor, held at one side and pulled at another, damped.
 std::uint64_t hash_after_some_steps(Integrator integrator, BodySettings body, int threads) {
     World world({.gravity = {0, -9.81, 0},

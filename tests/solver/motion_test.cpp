@@ -5,11 +5,10 @@
 #include "reference/thesis_2008.h"
 #include "solver/dynamics.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
-
-const Threads threads(2);
 
 Model small_box(const Scheme& scheme, Law law = Law::neo_hookean) {
     BodySettings settings = turned(settings_of(scheme));

@@ -4,20 +4,14 @@
 
 #include "solver/dynamics.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
 
-const Threads threads(2);
-
-struct Case {
-    std::string name;
-    Model model;
-};
-
 /// Whole and clipped bodies on all lattices and quadratures, for several ratios.
-std::vector<Case> bodies() {
-    std::vector<Case> all;
+std::vector<NamedModel> bodies() {
+    std::vector<NamedModel> all;
     for (const double nu : {0.0, 0.3, 0.49}) {
         const std::string ratio = ", nu " + std::to_string(nu).substr(0, 4);
         for (const Scheme& scheme : all_schemes()) {
@@ -37,7 +31,7 @@ std::vector<Case> bodies() {
 
 TEST(StableStep, true_limit_is_one_to_two_of_the_estimated_steps) {
     double least = 1e9, most = 0, least_spacing = 1e9, most_spacing = 0;
-    for (Case& c : bodies()) {
+    for (NamedModel& c : bodies()) {
         const double limit = 2 / largest_frequency(c.model);
         const auto body = body_of(std::move(c.model));
         estimate_rest_step(*body, {}, threads);

@@ -15,18 +15,18 @@ namespace {
 constexpr Vec3 sides{0.12, 0.04, 0.04};  // [m]; spacings of 20, 13.3 and 10 mm divide them
 constexpr double youngs_modulus = 1e5, poissons_ratio = 0.3, density = 100, strain = 1e-4;
 
-struct Pose {
+struct BarPose {
     double spacing;
     AxisAngle rotation;
     Vec3 offset;
 
-    friend std::ostream& operator<<(std::ostream& out, const Pose& p) {
+    friend std::ostream& operator<<(std::ostream& out, const BarPose& p) {
         return out << "spacing " << p.spacing << " m, lattice turned by " << p.rotation.degrees << " degrees";
     }
 };
 
 constexpr AxisAngle aligned{{0, 0, 1}, 0}, about_z{{0, 0, 1}, 30}, askew{{1, 2, 3}, 40};
-const Pose poses[] = {
+const BarPose bar_poses[] = {
     {0.02, aligned, {}},        {0.04 / 3, aligned, {}},        {0.01, aligned, {}},
     {0.02, about_z, {}},        {0.04 / 3, about_z, {}},        {0.01, about_z, {}},
     {0.02, askew, {.3, .2, 0}}, {0.04 / 3, askew, {.3, .2, 0}}, {0.01, askew, {.3, .2, 0}},
@@ -36,7 +36,7 @@ struct Measured {
     double youngs_modulus, poissons_ratio, kinetic_over_elastic, balance_error;
 };
 
-Measured stretch(const Pose& pose, Law law) {
+Measured stretch(const BarPose& pose, Law law) {
     // Near critical damping of the lowest mode, a quarter wave along the bar; 1e-8 of the energy is left after ten of
     // its time constants.
     const double omega = std::numbers::pi / (2 * sides.x) * std::sqrt(youngs_modulus / density);
@@ -70,7 +70,7 @@ Measured stretch(const Pose& pose, Law law) {
 }
 
 /// The worst of all of these is 0.2 %, aligned at 20 mm; turned lattices are within 0.01 %.
-void expect_moduli(const Pose& pose, Law law) {
+void expect_moduli(const BarPose& pose, Law law) {
     const Measured m = stretch(pose, law);
     EXPECT_LT(m.kinetic_over_elastic, 1e-8) << pose;
     EXPECT_LT(m.balance_error, 1e-3) << pose;
@@ -79,18 +79,18 @@ void expect_moduli(const Pose& pose, Law law) {
 }
 
 TEST(BarOnRollers, gives_back_both_moduli_at_three_spacings_in_three_poses_of_the_lattice) {
-    for (const Pose& pose : poses) expect_moduli(pose, Law::neo_hookean);
+    for (const BarPose& pose : bar_poses) expect_moduli(pose, Law::neo_hookean);
 }
 
 TEST(BarOnRollers, gives_back_both_moduli_with_every_law) {
-    for (Law law : {Law::linear, Law::saint_venant_kirchhoff, Law::corotated}) expect_moduli(poses[3], law);
+    for (Law law : {Law::linear, Law::saint_venant_kirchhoff, Law::corotated}) expect_moduli(bar_poses[3], law);
 }
 
 TEST(BarOnRollers, LONG_gives_back_both_moduli_with_every_law_in_any_pose) {
     std::mt19937 random(2008);
     std::uniform_real_distribution<double> any(-1, 1);
     for (Law law : {Law::linear, Law::saint_venant_kirchhoff, Law::corotated, Law::neo_hookean}) {
-        for (const Pose& pose : poses) expect_moduli(pose, law);
+        for (const BarPose& pose : bar_poses) expect_moduli(pose, law);
         for (int k = 0; k < 5; ++k) {
             const AxisAngle turn{{any(random), any(random), any(random)}, 180 * any(random)};
             expect_moduli({0.012, turn, {any(random), any(random), any(random)}}, law);

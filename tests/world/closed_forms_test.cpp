@@ -8,11 +8,6 @@
 namespace phyxel {
 namespace {
 
-using test::center_of_mass;
-using test::mean_velocity;
-using test::small_body;
-
-constexpr double g = 9.81;
 const TriangleMesh flat_block = make_box({0.1, 0.05, 0.1});
 
 TEST(FreeFall, covers_half_g_t_squared_to_rounding) {

@@ -11,8 +11,6 @@
 namespace phyxel {
 namespace {
 
-using test::center_of_mass;
-using test::small_body;
 using test::TemporaryDirectory;
 
 constexpr int short_run = 5;  ///< steps; the bunny touches the floor in the fourth

@@ -9,10 +9,6 @@
 namespace phyxel {
 namespace {
 
-using test::center_of_mass;
-using test::small_body;
-
-constexpr double g = 9.81;
 constexpr Vec3 bar_sides{0.2, 0.05, 0.05};
 constexpr BoxSelection left{{-0.1, -1, -1}, {-0.1, 1, 1}}, right{{0.1, -1, -1}, {0.1, 1, 1}};
 const TriangleMesh bar_mesh = make_box(bar_sides);

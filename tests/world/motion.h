@@ -4,7 +4,13 @@
 
 #include "phyxel/phyxel.h"
 
-namespace phyxel::test {
+namespace phyxel {
+
+/// Gravity of a world that was told nothing else [m/s^2].
+inline constexpr double g = 9.81;
+
+/// 0.1 m along every edge.
+inline const TriangleMesh cube_mesh = make_box({0.1, 0.1, 0.1});
 
 /// A soft body that is cheap to step: 1e5 Pa, nodes 2.5 cm apart.
 inline BodySettings small_body(BodySettings settings = {}) {
@@ -44,4 +50,4 @@ inline bool all_finite(const World& world, BodyId body) {
            finite(world.surface(body).normals());
 }
 
-}  // namespace phyxel::test
+}  // namespace phyxel

@@ -1,14 +1,13 @@
 /// Bodies of several materials, from the outside.
 #include <gtest/gtest.h>
 
-#include "motion.h"
 #include "support/measured.h"
 #include "support/temporary_directory.h"
+#include "world/motion.h"
 
 namespace phyxel {
 namespace {
 
-using test::small_body;
 using test::TemporaryDirectory;
 
 const Material soft = linear({.density = 1000, .youngs_modulus = 1e6, .poissons_ratio = 0});

@@ -9,12 +9,6 @@
 namespace phyxel {
 namespace {
 
-using test::center_of_mass;
-using test::mean_velocity;
-using test::small_body;
-
-constexpr double g = 9.81;
-
 double lowest(const World& world, BodyId body) {
     const auto x = world.surface(body).positions();
     return std::min_element(x.begin(), x.end(), [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; })->y;

@@ -9,11 +9,6 @@
 namespace phyxel {
 namespace {
 
-using test::all_finite;
-using test::center_of_mass;
-using test::small_body;
-
-const TriangleMesh cube = make_box({0.1, 0.1, 0.1});
 constexpr BoxSelection top{{-1, 0.05, -1}, {1, 0.05, 1}}, bottom{{-1, -0.05, -1}, {1, -0.05, 1}};
 
 struct Outcome {
@@ -57,7 +52,7 @@ TEST(Promise, jelly_thrown_at_a_floor_at_four_times_its_speed_of_sound_survives)
     World world;
     BodySettings settings = small_body({.translation = {0, 0.06, 0}, .velocity = {0, -20, 0}});
     settings.material = {.density = 1000, .youngs_modulus = 2e4, .poissons_ratio = 0.45};
-    const BodyId jelly = world.add_body(cube, settings);
+    const BodyId jelly = world.add_body(cube_mesh, settings);
     world.add_collider(Plane{});
     const Outcome outcome = endure(world, jelly, 20);
     EXPECT_EQ(outcome.status, StepStatus::ok) << outcome.message;
@@ -73,7 +68,8 @@ TEST(Promise, jelly_thrown_at_a_floor_at_four_times_its_speed_of_sound_survives)
 TEST(Promise, ordinary_impacts_need_no_second_try) {
     for (double speed : {1., 5., 10.}) {
         World world;
-        const BodyId body = world.add_body(cube, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -speed, 0}}));
+        const BodyId body =
+            world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -speed, 0}}));
         world.add_collider(Plane{});
         const Outcome outcome = endure(world, body, 6);
         EXPECT_EQ(outcome.status, StepStatus::ok) << outcome.message;
@@ -83,7 +79,7 @@ TEST(Promise, ordinary_impacts_need_no_second_try) {
 
 TEST(Promise, a_body_at_a_million_metres_a_second_into_the_floor_ends_with_a_diagnosis) {
     World world;
-    const BodyId body = world.add_body(cube, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -1e6, 0}}));
+    const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -1e6, 0}}));
     world.add_collider(Plane{});
     const Outcome outcome = endure(world, body, 3);
     EXPECT_EQ(outcome.status, StepStatus::failed);
@@ -94,7 +90,7 @@ TEST(Promise, a_body_that_begins_inside_of_a_collider_is_pushed_out_and_warned_o
     for (double deep : {0.0, -0.2}) {
         World world;
         world.add_collider(Plane{});
-        const BodyId body = world.add_body(cube, small_body({.translation = {0, deep, 0}}));
+        const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, deep, 0}}));
         ASSERT_EQ(world.warnings().size(), 1u);
         EXPECT_NE(world.warnings()[0].message.find("inside of a collider"), std::string::npos);
         EXPECT_EQ(endure(world, body, 10).status, StepStatus::ok);
@@ -108,7 +104,7 @@ TEST(Promise, grips_may_crush_a_body_and_pass_through_each_other) {
             World world;
             BodySettings settings = small_body();
             settings.material.law = law;
-            const BodyId body = world.add_body(cube, settings);
+            const BodyId body = world.add_body(cube_mesh, settings);
             world.add_fix(body, {.box = bottom});
             world.add_fix(body, {.box = top, .path = {{0, {}, 0}, {0.1, {0, way, 0}, 0}}});
             EXPECT_EQ(endure(world, body, 7).status, StepStatus::ok) << int(law) << ' ' << way;
@@ -121,13 +117,13 @@ TEST(Promise, no_load_makes_a_step_throw_or_leaves_a_nan) {
             World world;
             BodySettings settings = small_body();
             settings.material.law = law;
-            const BodyId body = world.add_body(cube, settings);
+            const BodyId body = world.add_body(cube_mesh, settings);
             world.add_load(body, {.box = {{-1, -1, -1}, {1, 1, 1}}, .pressure = p});
             EXPECT_EQ(endure(world, body, 3).status, p == 1e4 ? StepStatus::ok : StepStatus::failed) << p;
         }
     for (double force : {1e2, 1e6, 1e30}) {
         World world;
-        const BodyId body = world.add_body(cube, small_body());
+        const BodyId body = world.add_body(cube_mesh, small_body());
         world.add_fix(body, {.box = bottom});
         world.add_load(body, {.box = top, .force = Vec3{0, -force, 0}});
         EXPECT_EQ(endure(world, body, 3).status, force == 1e2 ? StepStatus::ok : StepStatus::failed) << force;
@@ -135,28 +131,28 @@ TEST(Promise, no_load_makes_a_step_throw_or_leaves_a_nan) {
 }
 
 TEST(Promise, no_gravity_makes_a_step_throw_or_leaves_a_nan) {
-    for (double g : {1e3, 1e6, 1e300}) {
-        World world({.gravity = {0, -g, 0}});
-        const BodyId body = world.add_body(cube, small_body({.translation = {0, 0.06, 0}}));
+    for (double pull : {1e3, 1e6, 1e300}) {
+        World world({.gravity = {0, -pull, 0}});
+        const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}}));
         world.add_collider(Plane{});
-        EXPECT_EQ(endure(world, body, 3).status, g == 1e3 ? StepStatus::ok : StepStatus::failed) << g;
+        EXPECT_EQ(endure(world, body, 3).status, pull == 1e3 ? StepStatus::ok : StepStatus::failed) << pull;
     }
 }
 
 TEST(Promise, time_steps_may_be_tiny_and_long) {
     for (double dt : {1e-300, 1e-12, 1.0}) {
         World world({.time_step = dt});
-        const BodyId body = world.add_body(cube, small_body({.translation = {0, 0.06, 0}}));
+        const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}}));
         world.add_collider(Plane{});
         EXPECT_EQ(endure(world, body, 2).status, StepStatus::ok) << dt;
     }
     World endless({.time_step = 1e9});
-    EXPECT_THROW(endless.add_body(cube, small_body()), Error);
+    EXPECT_THROW(endless.add_body(cube_mesh, small_body()), Error);
 }
 
 TEST(Promise, after_a_failure_gentler_conditions_let_the_world_go_on) {
     World world({.gravity = {0, -1e30, 0}});
-    const BodyId body = world.add_body(cube, small_body());
+    const BodyId body = world.add_body(cube_mesh, small_body());
     EXPECT_EQ(world.step().status, StepStatus::failed);
     world.set_gravity({0, -9.81, 0});
     const StepReport report = world.step();

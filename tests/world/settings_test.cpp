@@ -9,10 +9,7 @@
 namespace phyxel {
 namespace {
 
-using test::small_body;
-
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-const TriangleMesh cube = make_box({0.1, 0.1, 0.1});
 
 template <class Task>
 void expect_error(const std::string& field, Task&& task) {
@@ -33,7 +30,7 @@ void expect_body_refused(const std::string& field, Change&& change) {
     World world;
     BodySettings settings = small_body();
     change(settings);
-    expect_error(field, [&] { world.add_body(cube, settings); });
+    expect_error(field, [&] { world.add_body(cube_mesh, settings); });
     EXPECT_EQ(world.step().status, StepStatus::ok);  // nothing was left half-made
 }
 
@@ -72,7 +69,7 @@ TEST(BodySettings, that_are_wrong_are_refused_by_name) {
 
 TEST(WorldCalls, that_are_wrong_are_refused_by_name) {
     World world;
-    const BodyId body = world.add_body(cube, small_body());
+    const BodyId body = world.add_body(cube_mesh, small_body());
     const BoxSelection all{{-1, -1, -1}, {1, 1, 1}}, none{{2, 2, 2}, {3, 3, 3}}, upside_down{{1, 1, 1}, {-1, -1, -1}};
     expect_error("fix box", [&] { world.add_fix(body, {.box = upside_down}); });
     expect_error("selects nothing", [&] { world.add_fix(body, {.box = none}); });
@@ -106,13 +103,13 @@ TEST(WorldCalls, that_are_wrong_are_refused_by_name) {
 
 TEST(BodyIds, of_removed_bodies_are_never_taken_for_others) {
     World world;
-    const BodyId first = world.add_body(cube, small_body());
-    const BodyId second = world.add_body(cube, small_body({.translation = {1, 0, 0}}));
+    const BodyId first = world.add_body(cube_mesh, small_body());
+    const BodyId second = world.add_body(cube_mesh, small_body({.translation = {1, 0, 0}}));
     world.remove_body(first);
     expect_error("no longer", [&] { world.positions(first); });
     expect_error("no longer", [&] { world.remove_body(first); });
     EXPECT_GT(world.positions(second)[0].x, 0.9);
-    const BodyId third = world.add_body(cube, small_body({.translation = {2, 0, 0}}));
+    const BodyId third = world.add_body(cube_mesh, small_body({.translation = {2, 0, 0}}));
     EXPECT_NE(third, first);
     expect_error("no longer", [&] { world.positions(first); });
     EXPECT_GT(world.positions(third)[0].x, 1.9);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "world/hanging_cube.h"
 #include "world/motion.h"
 
 namespace phyxel {
@@ -80,19 +81,11 @@ TEST(Statics, reactions_balance_the_load_in_force_and_torque) {
 }
 
 TEST(Statics, a_hanging_cube_sags_by_its_weight_at_every_stiffness) {
-    const double L = 0.1, density = 1000, g = 9.81;
     for (double E : {1e5, 1e7, 1e9, 1e11}) {
-        World world({.time_step = 1, .integrator = Integrator::statics});
-        BodySettings settings;
-        settings.spacing = L / 6;
-        settings.material = corotated({.density = density, .youngs_modulus = E, .poissons_ratio = 0});
-        const BodyId body = world.add_body(make_box({L, L, L}), settings);
-        world.add_fix(body, {.box = {{-1, L / 2, -1}, {1, 1, 1}}});
-        const std::size_t foot = world.add_probe(body, {0, -L / 2, 0});
-        const StepReport report = world.step();
+        HangingCube cube(E, {.time_step = 1, .integrator = Integrator::statics});
+        const StepReport report = cube.world.step();
         ASSERT_EQ(report.status, StepStatus::ok) << report.message;
-        const double sag = density * g * L * L / (2 * E);
-        EXPECT_NEAR(world.probe(foot).rest.y - world.probe(foot).position.y, sag, 0.02 * sag) << E;
+        EXPECT_NEAR(cube.sag(), cube.expected_sag, 0.02 * cube.expected_sag) << E;
     }
 }
 
@@ -131,7 +124,7 @@ TEST(Statics, a_bar_twisted_by_a_half_turn_is_found_in_load_steps) {
 
 TEST(Statics, what_is_not_held_is_refused_with_the_reason_and_stays_where_it_is) {
     World world({.time_step = 1, .integrator = Integrator::statics});
-    const BodyId body = world.add_body(make_box({0.1, 0.1, 0.1}), test::small_body());
+    const BodyId body = world.add_body(make_box({0.1, 0.1, 0.1}), small_body());
     const std::vector<Vec3> before(world.positions(body).begin(), world.positions(body).end());
     // A face that slides in its plane leaves three motions.
     world.add_fix(body, {.box = {{-1, 0.05, -1}, {1, 1, 1}}, .x = false, .z = false});
@@ -144,7 +137,7 @@ TEST(Statics, what_is_not_held_is_refused_with_the_reason_and_stays_where_it_is)
 TEST(Statics, a_load_that_crushes_the_law_ends_in_a_diagnosis_and_never_in_a_state) {
     // Hooke's law with Green strain has no state that carries this pressure.
     World world({.time_step = 1, .gravity = {}, .integrator = Integrator::statics});
-    BodySettings settings = test::small_body();
+    BodySettings settings = small_body();
     settings.material.law = Law::saint_venant_kirchhoff;
     const BodyId body = world.add_body(make_box({0.1, 0.1, 0.1}), settings);
     world.add_fix(body, {.box = {{-1, -1, -1}, {1, -0.05, 1}}});
@@ -158,13 +151,13 @@ TEST(Statics, a_load_that_crushes_the_law_ends_in_a_diagnosis_and_never_in_a_sta
         // Or a collapsed one, which is an equilibrium all the same: the reaction carries the load.
         EXPECT_NEAR(world.reaction(0).force.y, 1e5 * 0.01, 1e-3 * 1e5 * 0.01);
     }
-    EXPECT_TRUE(test::all_finite(world, body));
+    EXPECT_TRUE(all_finite(world, body));
 }
 
 TEST(Statics, gives_the_same_bits_for_any_number_of_threads) {
     const auto hash = [](int threads) {
         World world({.time_step = 1, .integrator = Integrator::statics, .threads = threads});
-        const BodyId body = world.add_body(make_box({0.3, 0.1, 0.1}), test::small_body());
+        const BodyId body = world.add_body(make_box({0.3, 0.1, 0.1}), small_body());
         world.add_fix(body, {.box = {{-0.15, -1, -1}, {-0.15, 1, 1}}});
         EXPECT_EQ(world.step().status, StepStatus::ok);
         return world.state_hash();

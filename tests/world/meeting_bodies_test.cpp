@@ -1,0 +1,173 @@
+/// Soft bodies that meet each other in implicit steps.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/temporary_directory.h"
+#include "world/motion.h"
+
+namespace phyxel {
+namespace {
+
+WorldSettings implicit(WorldSettings settings = {}) {
+    settings.integrator = Integrator::implicit_euler;
+    return settings;
+}
+
+void run(World& world, int steps) {
+    for (int k = 0; k < steps; ++k) {
+        const StepReport report = world.step();
+        ASSERT_EQ(report.status, StepStatus::ok) << report.message;
+    }
+}
+
+TEST(MeetingBodies, exchange_momentum_and_lose_none_of_it) {
+    World world(implicit({.time_step = 1e-3, .gravity = {}}));
+    const BodyId left = world.add_body(cube_mesh, small_body({.translation = {-0.06, 0, 0}, .velocity = {1, 0, 0}}));
+    BodySettings lighter = small_body({.translation = {0.06, 0.01, 0}, .velocity = {-1, 0, 0}});
+    lighter.spacing = 0.03;
+    lighter.material.density = 500;
+    const BodyId right = world.add_body(make_sphere(0.05), lighter);
+    const auto momentum = [&](auto&& of) { return of(left) + of(right); };
+    const auto linear = [&](BodyId body) { return world.report(body).mass * mean_velocity(world, body); };
+    const auto angular = [&](BodyId body) {
+        Vec3 sum{};
+        for (std::size_t i = 0; i < world.masses(body).size(); ++i)
+            sum += world.masses(body)[i] * cross(world.positions(body)[i], world.velocities(body)[i]);
+        return sum;
+    };
+    const Vec3 p = momentum(linear), l = momentum(angular);
+    const double size = 2 * world.report(left).mass;
+    run(world, 100);
+    EXPECT_GT(mean_velocity(world, right).x, 0.5);  // it was hit by the heavier one
+    EXPECT_LT(norm(momentum(linear) - p), 1e-12 * size);
+    // A pair pushes along its normal, which is off the line between its ends by the friction it bears.
+    EXPECT_LT(norm(momentum(angular) - l), 1e-3 * size * 0.05);
+    EXPECT_LT(world.energy().balance_error, 1e-3);
+}
+
+TEST(MeetingBodies, rest_on_each_other_with_the_weight_of_what_lies_above) {
+    World world(implicit());
+    const BodySettings low = small_body({.translation = {0, 0.05, 0}});
+    BodySettings high = small_body({.translation = {0.01, 0.155, 0.01}});
+    high.spacing = 0.02;
+    const BodyId base = world.add_body(cube_mesh, low);
+    const BodyId load = world.add_body(cube_mesh, high);
+    world.add_collider(Plane{});
+    const std::size_t top = world.add_probe(base, {0.01, 0.1, 0.01}),
+                      bottom = world.add_probe(load, {0.01, 0.105, 0.01});
+    run(world, 120);
+    EXPECT_LT(world.energy().kinetic, 1e-8);
+    const double gap = world.probe(bottom).position.y - world.probe(top).position.y;
+    EXPECT_LT(std::abs(gap), 0.02 * 0.025);
+    // The base is shorter by the load above it and by half of its own weight.
+    const double sag = 1.5 * 1000 * g * 0.1 * 0.1 / 1e5;
+    EXPECT_NEAR(0.1 - world.probe(top).position.y, sag, 0.25 * sag);
+    EXPECT_LT(norm(center_of_mass(world, load) - Vec3{0.01, center_of_mass(world, load).y, 0.01}), 1e-3);
+}
+
+/// How far a cube of friction `mu` slides down a slope of 20 degrees, which is another body, in `seconds`.
+double slide(double mu, double seconds) {
+    World world(implicit());
+    const double angle = std::numbers::pi / 9;
+    const AxisAngle tilt{{0, 0, 1}, -20};
+    const Vec3 up{std::sin(angle), std::cos(angle), 0}, down{std::cos(angle), -std::sin(angle), 0};
+    BodySettings ramp = small_body({.rotation = tilt});
+    ramp.spacing = 0.05;
+    ramp.friction = mu;
+    ramp.material.youngs_modulus = 1e7;
+    const BodyId slope = world.add_body(make_box({1, 0.1, 0.3}), ramp);
+    world.add_fix(slope, {.box = {{-2, -2, -2}, {2, 2, 2}}});
+    BodySettings settings = small_body({.rotation = tilt, .translation = -0.3 * down + 0.1 * up});
+    settings.friction = mu;
+    settings.material.youngs_modulus = 1e6;
+    const BodyId cube = world.add_body(cube_mesh, settings);
+    const Vec3 before = center_of_mass(world, cube);
+    run(world, static_cast<int>(std::lround(60 * seconds)));
+    return dot(center_of_mass(world, cube) - before, down);
+}
+
+TEST(MeetingBodies, hold_each_other_by_friction_below_its_angle_and_slide_as_coulomb_says_beyond) {
+    const double angle = std::numbers::pi / 9, t = 0.5;
+    EXPECT_LT(std::abs(slide(0.5, 1)), 1e-3);  // tan 20 degrees = 0.364
+    for (double mu : {0.0, 0.2}) {
+        const double expected = 0.5 * g * (std::sin(angle) - mu * std::cos(angle)) * t * t;
+        EXPECT_NEAR(slide(mu, t), expected, 0.06 * expected) << mu;  // first order steps of 1/60 s add dt/t, 3 %
+    }
+}
+
+/// A pile of different shapes, falling.
+struct Pile {
+    explicit Pile(WorldSettings settings) : world(settings) {
+        bodies.push_back(world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}})));
+        bodies.push_back(
+            world.add_body(make_sphere(0.06), small_body({.translation = {0.02, 0.19, 0}, .velocity = {0, -1, 0}})));
+        bodies.push_back(world.add_body(make_torus(0.07, 0.03),
+                                        small_body({.translation = {0, 0.31, 0.01}, .velocity = {0, -2, 0}})));
+        world.add_collider(Plane{});
+    }
+    World world;
+    std::vector<BodyId> bodies;
+};
+
+TEST(MeetingBodies, have_the_same_bits_for_any_number_of_threads_and_after_a_resume) {
+    for (Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+        Pile one({.integrator = integrator, .threads = 1});
+        run(one.world, 9);
+        const test::TemporaryDirectory folder;
+        one.world.save_checkpoint(folder / "checkpoint");
+        run(one.world, 6);
+        for (int threads : {2, 3, 8}) {
+            Pile many({.integrator = integrator, .threads = threads});
+            run(many.world, 15);
+            EXPECT_EQ(many.world.state_hash(), one.world.state_hash()) << threads;
+        }
+        Pile resumed({.integrator = integrator});
+        resumed.world.load_checkpoint(folder / "checkpoint");
+        run(resumed.world, 6);
+        EXPECT_EQ(resumed.world.state_hash(), one.world.state_hash());
+    }
+}
+
+TEST(MeetingBodies, that_pile_up_stay_apart_and_come_to_rest) {
+    Pile pile(implicit());
+    run(pile.world, 150);
+    EXPECT_LT(pile.world.energy().kinetic, 1e-4);
+    EXPECT_LT(pile.world.energy().balance_error, 0.01);
+    for (std::size_t i = 0; i < pile.bodies.size(); ++i) {
+        EXPECT_TRUE(all_finite(pile.world, pile.bodies[i]));
+        EXPECT_NEAR(pile.world.report(pile.bodies[i]).volume / pile.world.report(pile.bodies[i]).rest_volume, 1, 0.1);
+        for (std::size_t j = i + 1; j < pile.bodies.size(); ++j)
+            EXPECT_GT(norm(center_of_mass(pile.world, pile.bodies[i]) - center_of_mass(pile.world, pile.bodies[j])),
+                      0.05);
+    }
+}
+
+TEST(MeetingBodies, that_begin_inside_of_each_other_pass_through_and_it_is_said) {
+    World world(implicit({.gravity = {}}));
+    const BodyId one = world.add_body(cube_mesh, small_body());
+    world.add_body(cube_mesh, small_body({.translation = {0.05, 0, 0}}));
+    world.add_body(cube_mesh, small_body({.translation = {0.1501, 0, 0}}));
+    const std::vector<Warning> warnings = world.warnings();
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings.front().message.find("body 1 begins 0.05 m inside of body 0"), std::string::npos)
+        << warnings.front().message;
+    run(world, 3);
+    EXPECT_LT(world.energy().kinetic, 1e-12);
+    world.remove_body(one);
+    run(world, 3);
+    EXPECT_LT(world.energy().kinetic, 1e-12);
+}
+
+TEST(MeetingBodies, pass_through_each_other_in_explicit_steps_and_it_is_said) {
+    World world({.integrator = Integrator::leap_frog});
+    world.add_body(cube_mesh, small_body());
+    EXPECT_TRUE(world.warnings().empty());
+    world.add_body(cube_mesh, small_body({.translation = {0, 0.2, 0}}));
+    ASSERT_EQ(world.warnings().size(), 1u);
+    EXPECT_NE(world.warnings().front().message.find("implicit-euler"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phyxel
