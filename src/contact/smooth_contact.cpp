@@ -8,7 +8,7 @@ namespace {
 
 Vec3 tangential(const Vec3& v, const Vec3& normal) { return v - dot(v, normal) * normal; }
 
-bool comes_before(const ContactSamples::Stick& a, const ContactSamples::Stick& b) {
+bool stick_comes_before(const ContactSamples::Stick& a, const ContactSamples::Stick& b) {
     return std::tie(a.sample, a.collider) < std::tie(b.sample, b.collider);
 }
 
@@ -29,8 +29,8 @@ std::vector<ContactSamples::Rub> ContactSamples::rubs(std::span<const Collider> 
         const double limit = colliders[touch.collider].friction() * touch.push;
         if (!(limit > 0)) continue;
         Stick stick{touch.sample, touch.collider, {}};
-        const auto old = std::lower_bound(sticks.begin(), sticks.end(), stick, comes_before);
-        const bool known = old != sticks.end() && !comes_before(stick, *old);
+        const auto old = std::lower_bound(sticks.begin(), sticks.end(), stick, stick_comes_before);
+        const bool known = old != sticks.end() && !stick_comes_before(stick, *old);
         stick.anchor = known ? old->anchor : samples_.position(touch.sample, start);
         list.push_back({stick, touch.normal, limit, stiffness(touch.sample)});
     }
@@ -72,7 +72,7 @@ std::vector<ContactSamples::Stick> ContactSamples::sticks(std::span<const Rub> r
         stick.anchor = place - (size > reach ? reach / size : 1.0) * slip;
         list.push_back(stick);
     }
-    std::sort(list.begin(), list.end(), comes_before);
+    std::sort(list.begin(), list.end(), stick_comes_before);
     return list;
 }
 

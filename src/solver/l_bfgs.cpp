@@ -8,7 +8,7 @@ namespace phyxel {
 namespace {
 
 constexpr std::size_t most_pairs = 5;
-constexpr int most_shortenings = 2;  ///< in a row, before Newton's method had better go on
+constexpr int most_shortenings_in_a_row = 2;  ///< before Newton's method had better go on
 
 struct Pair {
     std::vector<Vec3> step, change;  ///< of x and of the gradient
@@ -57,7 +57,7 @@ SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
         // Where the step overshot, the secant through both slopes says how far to go.
         const double ratio = inner(g, d, threads) / decrease;
         if (!std::isfinite(ratio) || ratio > 0.5) {
-            if (++shortened > most_shortenings) {
+            if (++shortened > most_shortenings_in_a_row) {
                 report.trouble = "the implicit step overshot again and again";
                 return report;
             }

@@ -4,35 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "world/brunet_beam.h"
 #include "world/hanging_cube.h"
 #include "world/motion.h"
 
 namespace phyxel {
 namespace {
-
-/// The beam of Brunet et al. 2019: 20 x 20 x 200 mm, one end clamped, a dead load on the other.
-struct Beam {
-    Beam(double spacing, const Vec3& force, const BodySettings& changes = {}, double ratio = 0.45)
-        : world({.time_step = 1, .gravity = {}, .integrator = Integrator::statics}) {
-        BodySettings settings = changes;
-        settings.translation = {0.01, 0.01, 0.1};
-        settings.spacing = spacing;
-        settings.material = corotated({.density = 1000, .youngs_modulus = 50e6, .poissons_ratio = ratio});
-        body = world.add_body(make_box({0.02, 0.02, 0.2}), settings);
-        grip = world.add_fix(body, {.box = {{-1, -1, -1}, {1, 1, 1e-6}}});
-        world.add_load(body, {.box = {{-1, -1, 0.2 - 1e-6}, {1, 1, 1}}, .force = force});
-        tip = world.add_probe(body, {0.01, 0.01, 0.2});
-    }
-    Vec3 displacement() const { return world.probe(tip).position - world.probe(tip).rest; }
-
-    World world;
-    BodyId body;
-    std::size_t grip, tip;
-};
-
-constexpr Vec3 bending{0, -12, 0}, stretching{0, 0, 1500};
-// Triquadratic hexahedra, extrapolated, and checked against CalculiX.
-constexpr double bent = -45.162e-3, stretched = 14.8789e-3;
 
 void expect_beams(double spacing, double bending_bound, double stretching_bound) {
     Beam down(spacing, bending);
