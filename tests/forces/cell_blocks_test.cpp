@@ -19,22 +19,18 @@ BodySettings plain_settings(const Scheme& scheme = all_schemes()[0]) {
 
 /// Two plates, a quarter of the spacing apart: nodes in one box on either side of the gap.
 TriangleMesh two_plates(double spacing) {
-    TriangleMesh both = make_box({1, 1, 0.3});
-    const TriangleMesh other = make_box({1, 1, 0.3});
-    const auto first = static_cast<std::uint32_t>(both.vertices.size());
-    for (const Vec3& X : other.vertices) both.vertices.push_back(X + Vec3{0, 0, 0.3 + 0.25 * spacing});
-    for (auto triangle : other.triangles) {
-        for (auto& v : triangle) v += first;
-        both.triangles.push_back(triangle);
-    }
-    return both;
+    const TriangleMesh plate = make_box({1, 1, 0.3});
+    return joined(plate, moved(plate, {0, 0, 0.3 + 0.25 * spacing}));
 }
+
+Model beam() { return modelled(make_box({0.1, 0.1, 0.8}), plain_settings(), 0.025); }
+Model thick_box() { return modelled(make_box({1.2, 1.2, 1.2}), plain_settings(), 0.1); }
 
 const std::vector<NamedModel>& bodies() {
     static const std::vector<NamedModel> all = [] {
         std::vector<NamedModel> cases;
-        cases.push_back({"beam", modelled(make_box({0.1, 0.1, 0.8}), plain_settings(), 0.025)});
-        cases.push_back({"thick box", modelled(make_box({1.2, 1.2, 1.2}), plain_settings(), 0.1)});
+        cases.push_back({"beam", beam()});
+        cases.push_back({"thick box", thick_box()});
         cases.push_back({"sphere", modelled(make_sphere(0.5), plain_settings(), 0.125)});
         cases.push_back({"bunny", modelled(unit_bunny(), plain_settings(), 0.1)});
         cases.push_back({"plates with a gap", modelled(two_plates(0.2), plain_settings(), 0.2)});
@@ -203,7 +199,7 @@ TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
 }
 
 TEST(CellBlocks, a_loose_tolerance_changes_little_and_keeps_linear_fields) {
-    const Model& m = bodies()[0].model;
+    const Model m = beam();
     const CellBlocks exact(m, threads), loose(m, threads, 1e-2);
     EXPECT_GE(loose.counts().uniform_chunks, 2 * exact.counts().uniform_chunks);
     EXPECT_LE(error_of(loose, m, turned_stretched_and_shaken(m)), 0.02);
@@ -212,7 +208,8 @@ TEST(CellBlocks, a_loose_tolerance_changes_little_and_keeps_linear_fields) {
 }
 
 TEST(CellBlocks, deep_cells_share_their_gradients) {
-    const CellBlocks blocks(bodies()[1].model, threads);
+    const Model m = thick_box();
+    const CellBlocks blocks(m, threads);
     EXPECT_EQ(blocks.counts().groups, 1728u);
     EXPECT_GE(blocks.counts().uniform_chunks, 8u);
 }

@@ -9,11 +9,10 @@
 #include "phyxel/error.h"
 #include "sampling/sampled.h"
 #include "support/measured.h"
+#include "support/two_threads.h"
 
 namespace phyxel {
 namespace {
-
-const Threads threads(2);
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -209,9 +208,9 @@ TEST(Sampling, whole_cells_are_the_bodies_of_the_thesis) {
 }
 
 /// What `sample` says when it refuses; empty when it does not.
-std::string refusal(const TriangleMesh& mesh, const BodySettings& settings, double spacing) {
+std::string refusal(const CheckedMesh& mesh, const BodySettings& settings, double spacing) {
     try {
-        sampled(mesh, settings, spacing);
+        sample(mesh, settings, spacing, threads);
     } catch (const Error& error) {
         return error.what();
     }
@@ -231,16 +230,18 @@ TEST(Refusals, name_a_spacing_that_works) {
                                                                       {"needle", make_box({2, 0.05, 0.05})},
                                                                       {"sphere", make_sphere(0.5)},
                                                                       {"bunny", unit_bunny()}};
-    for (const Scheme& scheme : all_schemes())
-        for (const auto& [name, mesh] : bodies)
+    for (const auto& [name, mesh] : bodies) {
+        const CheckedMesh checked = check_and_repair(mesh);
+        for (const Scheme& scheme : all_schemes())
             for (const double spacing : {1e9, 100.0, 3.0}) {
-                const std::string message = refusal(mesh, settings_of(scheme), spacing);
+                const std::string message = refusal(checked, settings_of(scheme), spacing);
                 if (message.empty()) continue;  // four nodes around a corner of the lattice are a body
                 const double workable = recommended(message);
                 ASSERT_GT(workable, 0) << message;
-                EXPECT_EQ(refusal(mesh, settings_of(scheme), workable), "")
+                EXPECT_EQ(refusal(checked, settings_of(scheme), workable), "")
                     << scheme.name << ", " << name << " at " << spacing << ": " << message;
             }
+    }
 }
 
 TEST(Refusals, body_in_a_single_cell_is_refused) {
@@ -248,7 +249,7 @@ TEST(Refusals, body_in_a_single_cell_is_refused) {
         for (const double spacing : {1e9, 100.0}) {
             BodySettings settings = settings_of(scheme);
             settings.lattice_offset = {0.3, 0.3, 0.3};
-            const std::string message = refusal(make_box({1, 1, 1}), settings, spacing);
+            const std::string message = refusal(check_and_repair(make_box({1, 1, 1})), settings, spacing);
             EXPECT_NE(message, "") << scheme.name << " at " << spacing;
         }
 }
@@ -256,13 +257,13 @@ TEST(Refusals, body_in_a_single_cell_is_refused) {
 TEST(Refusals, nodes_in_one_plane_are_refused) {
     BodySettings settings;
     settings.lattice_offset = {0, 0, 0.5};
-    const std::string message = refusal(make_box({1, 1, 0.1}), settings, 0.25);
+    const std::string message = refusal(check_and_repair(make_box({1, 1, 0.1})), settings, 0.25);
     EXPECT_NE(message.find("all in one plane"), std::string::npos) << message;
-    EXPECT_EQ(refusal(make_box({1, 1, 0.1}), settings, recommended(message)), "") << message;
+    EXPECT_EQ(refusal(check_and_repair(make_box({1, 1, 0.1})), settings, recommended(message)), "") << message;
 }
 
 TEST(Refusals, spacing_beyond_memory_is_refused_at_once_with_one_that_fits) {
-    const std::string message = refusal(make_box({1, 1, 1}), {}, 1e-7);
+    const std::string message = refusal(check_and_repair(make_box({1, 1, 1})), {}, 1e-7);
     EXPECT_NE(message.find("more than memory holds"), std::string::npos) << message;
     const double workable = recommended(message);
     EXPECT_GT(workable, 1e-4) << message;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <Eigen/Dense>
 #include <memory>
+#include <vector>
 
 #include "model/modelled.h"
 #include "solver/integrators.h"
@@ -20,62 +20,21 @@ inline std::unique_ptr<DynamicBody> body_of(Model model) {
     return body;
 }
 
-/// M^-1/2 K M^-1/2 at rest, symmetrized.
-inline Eigen::MatrixXd scaled_stiffness(const Model& m) {
-    const auto n = static_cast<Eigen::Index>(m.rest.size());
-    Eigen::MatrixXd K(3 * n, 3 * n);
-    ForceWorkspace work;
-    std::vector<Vec3> unit(m.rest.size()), column(m.rest.size());
-    const Threads threads(2);
-    for (Eigen::Index j = 0; j < 3 * n; ++j) {
-        unit[j / 3][j % 3] = std::sqrt(m.inverse_mass[j / 3]);
-        stiffness_action(m, m.rest, unit, work, threads, column);
-        unit[j / 3] = {};
-        for (Eigen::Index i = 0; i < 3 * n; ++i) K(i, j) = column[i / 3][i % 3] * std::sqrt(m.inverse_mass[i / 3]);
-    }
-    return 0.5 * (K + K.transpose());
-}
-
 /// All angular frequencies of small vibrations [1/s], ascending; rigid motion as 0.
-inline std::vector<double> frequencies(const Model& m) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled_stiffness(m), Eigen::EigenvaluesOnly);
-    std::vector<double> omega;
-    for (double lambda : solver.eigenvalues()) omega.push_back(std::sqrt(std::max(0.0, lambda)));
-    return omega;
-}
+std::vector<double> frequencies(const Model& m);
+
+/// A small vibration: its angular frequency [1/s], and [nodes] where it moves them, of unit mean square over the mass.
+struct Mode {
+    double omega;
+    std::vector<Vec3> shape;
+};
+
+/// The lowest one that deforms the body.
+Mode lowest_elastic_mode(const Model& m);
 
 /// The largest angular frequency at rest [1/s], by Lanczos iteration in the metric of the masses with full
 /// reorthogonalization; `steps` of it.
-inline double largest_frequency(const Model& m, int steps = 100) {
-    const std::size_t n = m.rest.size();
-    const Threads threads(2);
-    ForceWorkspace work;
-    const auto product = [&](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-        double sum = 0;
-        for (std::size_t i = 0; i < n; ++i) sum += m.mass[i] * dot(a[i], b[i]);
-        return sum;
-    };
-    std::vector<std::vector<Vec3>> basis;
-    std::vector<Vec3> next = random_field(n, 1, 12), image(n);
-    steps = std::min(steps, static_cast<int>(3 * n) - 6);
-    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(steps, steps);
-    for (int k = 0; k < steps; ++k) {
-        for (int pass = 0; pass < 2; ++pass)
-            for (const auto& b : basis) {
-                const double share = product(next, b);
-                for (std::size_t i = 0; i < n; ++i) next[i] -= share * b[i];
-            }
-        const double size = std::sqrt(product(next, next));
-        if (k > 0) T(k, k - 1) = T(k - 1, k) = size;
-        for (Vec3& v : next) v /= size;
-        basis.push_back(next);
-        stiffness_action(m, m.rest, next, work, threads, image);
-        for (std::size_t i = 0; i < n; ++i) image[i] *= m.inverse_mass[i];
-        T(k, k) = product(image, basis.back());
-        next = image;
-    }
-    return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(T).eigenvalues().maxCoeff());
-}
+double largest_frequency(const Model& m, int steps = 100);
 
 inline double total_energy(DynamicBody& body) { return body_energy(body, {}, Threads(1)).total(); }
 

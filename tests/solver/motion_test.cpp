@@ -164,13 +164,7 @@ double decay_rate(const Model& m, const Surroundings& around, std::span<const Ve
 TEST(Damping, of_a_mode_is_that_of_rayleigh_and_does_not_depend_on_the_step) {
     for (const Scheme& scheme : {all_schemes()[0], all_schemes()[2]}) {
         const Model m = small_box(scheme, Law::corotated);
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled_stiffness(m));
-        const double omega = std::sqrt(solver.eigenvalues()[6]);
-        std::vector<Vec3> mode(m.rest.size());
-        for (std::size_t i = 0; i < mode.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c)
-                mode[i][c] = solver.eigenvectors()(static_cast<Eigen::Index>(3 * i + c), 6) *
-                             std::sqrt(m.inverse_mass[i] * m.total_mass);
+        const auto [omega, mode] = lowest_elastic_mode(m);
         Surroundings mass, stiffness;
         mass.mass_damping = 0.06 * omega;
         stiffness.stiffness_damping = 0.06 / omega;
