@@ -109,28 +109,12 @@ void print_report(const std::string& file, const MeshReport& mesh) {
 
 }  // namespace
 
-void add_check(CLI::App& app, int& exit_code) {
-    struct Arguments {
-        std::string mesh, part;
-        bool as_json = false;
-        int threads = 0;
-    };
-    auto* command = app.add_subcommand("check",
-                                       "Says what a mesh is, what would be repaired, and whether it can be "
-                                       "simulated");
-    auto arguments = std::make_shared<Arguments>();
-    command->add_option("MESH", arguments->mesh, "Mesh file: OBJ, PLY, STL, OFF, glTF or GLB")->required();
-    command->add_option("--part", arguments->part, "Only the object or group of this name")->type_name("NAME");
-    command->add_flag("--json", arguments->as_json, "Prints the report as JSON");
-    add_threads(*command, arguments->threads);
-    command->callback([arguments, &exit_code] {
-        const MeshReport report = check_mesh(read_mesh(arguments->mesh, arguments->part));
-        if (arguments->as_json)
-            fmt::print("{}\n",
-                       report_json(arguments->mesh, report).dump(2, ' ', false, Json::error_handler_t::replace));
-        else print_report(arguments->mesh, report);
-        exit_code = success;
-    });
+int check(const CheckArguments& arguments) {
+    const MeshReport report = check_mesh(read_mesh(arguments.mesh, arguments.part));
+    if (arguments.as_json)
+        fmt::print("{}\n", report_json(arguments.mesh, report).dump(2, ' ', false, Json::error_handler_t::replace));
+    else print_report(arguments.mesh, report);
+    return success;
 }
 
 }  // namespace phyxel::cli

@@ -23,13 +23,7 @@ void catch_interrupts() {
     sigaction(SIGTERM, &action, nullptr);
 }
 
-struct Arguments {
-    std::string scene, folder, resume, fragments;
-    std::vector<std::string> overrides;
-    int threads = 0;
-};
-
-RunResult simulate(const Arguments& arguments) {
+RunResult simulate(const RunArguments& arguments) {
     const Scene scene = read_scene(arguments.scene, arguments.overrides);
     catch_interrupts();
     ProgressBar bar;
@@ -41,7 +35,9 @@ RunResult simulate(const Arguments& arguments) {
                              .interrupted = [] { return interrupt_asked != 0; }});
 }
 
-int run(const Arguments& arguments) {
+}  // namespace
+
+int run(const RunArguments& arguments) {
     const RunResult result = simulate(arguments);
     const std::string folder = result.folder.string();
     if (result.status == RunStatus::completed) {
@@ -53,34 +49,6 @@ int run(const Arguments& arguments) {
         fmt::print(stderr, "phyxel: {}; go on with --resume {}/checkpoint.phyxel\n", result.message, folder);
     else fmt::print(stderr, "phyxel: the run failed at {:.6g} s: {}; see {}\n", result.time, result.message, folder);
     return failure;
-}
-
-}  // namespace
-
-void add_run(CLI::App& app, int& exit_code) {
-    auto* command = app.add_subcommand("run", "Simulates a scene, writes its outputs and summary.json");
-    auto arguments = std::make_shared<Arguments>();
-    command->add_option("SCENE", arguments->scene, "Scene file (TOML); docs/scene.md tells its keys")->required();
-    command->add_option("-o,--output", arguments->folder, "Folder for all that is written")
-        ->type_name("DIR")
-        ->default_str("output/SCENE");
-    command
-        ->add_option("--set", arguments->overrides,
-                     "Overrides a value, such as simulation.duration=0.5 or "
-                     "material.jelly.youngs_modulus=1e5; may be repeated")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->take_all()
-        ->allow_extra_args(false);
-    command
-        ->add_option("--resume", arguments->resume,
-                     "Goes on from a checkpoint, to the same bits as if it had never "
-                     "stopped")
-        ->type_name("CHECKPOINT");
-    command->add_option("--fragments", arguments->fragments, "Writes each fragment of the last frame as a PLY file")
-        ->type_name("DIR");
-    add_threads(*command, arguments->threads);
-    command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace phyxel::cli

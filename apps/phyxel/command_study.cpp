@@ -8,7 +8,6 @@
 #include "study_registry.h"
 
 namespace phyxel::cli {
-namespace {
 
 std::string list_of_studies() {
     std::string text = "Studies, figures of Brunet et al. 2019:";
@@ -34,28 +33,6 @@ int run_study(const std::string& name, studies::Options options) {
         throw Error(fmt::format("study '{}' is not available yet: needs {}", name, study->lacks));
     if (options.folder.empty()) options.folder = std::filesystem::path("output") / name;
     return study->run(options);
-}
-
-}  // namespace
-
-void add_study(CLI::App& app, int& exit_code) {
-    struct Arguments {
-        std::string name, folder;
-        studies::Options options;
-    };
-    auto* command = app.add_subcommand("study", "Runs a published experiment; 'study list' names them");
-    auto arguments = std::make_shared<Arguments>();
-    command->add_option("NAME", arguments->name, "Which one, or list")->required();
-    command->add_option("-o,--output", arguments->folder, "Folder for the table and the picture")
-        ->type_name("DIR")
-        ->default_str("output/NAME");
-    command->add_flag("--small", arguments->options.small, "Small sizes: a few seconds");
-    add_threads(*command, arguments->options.threads);
-    command->footer(list_of_studies());
-    command->callback([arguments, &exit_code] {
-        arguments->options.folder = arguments->folder;
-        exit_code = run_study(arguments->name, arguments->options);
-    });
 }
 
 }  // namespace phyxel::cli

@@ -1,22 +1,39 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
-/// The commands of the program, one file each. Every function adds its command to `app`; when the command was given,
-/// its work is done in the callback, which leaves the exit code in `exit_code` and throws `phyxel::Error` for what the
-/// user got wrong.
+#include "bench/benches.h"
+#include "studies/studies.h"
+
+/// The work of each command, one file each; command_line.cpp reads what the user typed. Every function returns the
+/// exit code and throws `phyxel::Error` for what the user got wrong.
 
 namespace phyxel::cli {
 
 /// What the program returns to the shell.
 enum ExitCode { success = 0, failure = 1, mistake = 2 };
 
-void add_run(CLI::App& app, int& exit_code);
-void add_check(CLI::App& app, int& exit_code);
-void add_bench(CLI::App& app, int& exit_code);
-void add_study(CLI::App& app, int& exit_code);
+struct RunArguments {
+    std::string scene, folder, resume, fragments;
+    std::vector<std::string> overrides;
+    int threads = 0;
+};
+int run(const RunArguments& arguments);
 
-/// The option `--threads N` that every command has.
-void add_threads(CLI::App& command, int& threads);
+struct CheckArguments {
+    std::string mesh, part;
+    bool as_json = false;
+    int threads = 0;
+};
+int check(const CheckArguments& arguments);
+
+/// All benchmarks where `name` is empty.
+int run_benches(const std::string& name, const bench::Options& options);
+std::string list_of_benches();
+
+/// `name` may be "list".
+int run_study(const std::string& name, studies::Options options);
+std::string list_of_studies();
 
 }  // namespace phyxel::cli
