@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import tomllib
 
-from report import Report
+from report import Report, side_by_side
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHYXEL = ROOT / "build" / "release" / "bin" / "phyxel"
@@ -63,20 +63,27 @@ def parse_problem(text):
     return ""
 
 
+def problem_of(sample):
+    """Why a sample does not hold, or nothing; None for one that needs no check."""
+    _, kind, text = sample
+    if kind == "cpp compile":
+        return compile_problem(text)
+    if not kind.startswith("toml"):
+        return None
+    problem = parse_problem(text)
+    if problem or kind != "toml scene" or not PHYXEL.exists():
+        return problem
+    with tempfile.TemporaryDirectory() as folder:
+        return scene_problem(text, folder)
+
+
 def main():
-    report = Report()
-    for name, kind, text in samples():
-        if kind == "cpp compile":
-            report.check(f"sample {name}", compile_problem(text))
-        elif kind.startswith("toml"):
-            problem = parse_problem(text)
-            if kind == "toml scene" and not problem:
-                if not PHYXEL.exists():
-                    report.skip(f"sample {name}", "phyxel is not built")
-                    continue
-                with tempfile.TemporaryDirectory() as folder:
-                    problem = scene_problem(text, folder)
+    report, found = Report(), list(samples())
+    for (name, kind, _), problem in zip(found, side_by_side(problem_of, found)):
+        if problem is not None:
             report.check(f"sample {name}", problem)
+        if kind == "toml scene" and not PHYXEL.exists():
+            report.skip(f"the run of sample {name}", "phyxel is not built")
     report.finish()
 
 

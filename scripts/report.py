@@ -1,5 +1,7 @@
 """How the check scripts say what they found: one line a check, `ok NAME` or `FAIL NAME: reason`, which run_tests.py counts."""
 
+import concurrent.futures
+import os
 import sys
 
 
@@ -22,3 +24,9 @@ class Report:
     def finish(self):
         """Ends the program: 0 when nothing failed."""
         sys.exit(1 if self.failures else 0)
+
+
+def side_by_side(task, items):
+    """`task` of each item, in their order; as many at a time as the machine has processors."""
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield from pool.map(task, items)

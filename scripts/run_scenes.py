@@ -10,7 +10,7 @@ import time
 import tomllib
 
 import summary
-from report import Report
+from report import Report, side_by_side
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHYXEL = ROOT / "build" / "release" / "bin" / "phyxel"
@@ -41,20 +41,27 @@ def run(path, folder, long):
     return summary.problem(found, densities(scene), BALANCE_BOUND), found["steps_per_second"]
 
 
+def checked_run(path, long):
+    """The same, and the time it took [s]."""
+    begin = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            problem, rate = run(path, pathlib.Path(folder), long)
+        except (OSError, ValueError, KeyError) as error:
+            problem, rate = f"{type(error).__name__}: {error}", 0
+    return problem, rate, time.monotonic() - begin
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--long", action="store_true", help="each for its whole duration")
     options = parser.parse_args()
     report = Report()
-    for path in sorted((ROOT / "scenes").glob("*.toml")):
-        begin = time.monotonic()
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                problem, rate = run(path, pathlib.Path(folder), options.long)
-            except (OSError, ValueError, KeyError) as error:
-                problem, rate = f"{type(error).__name__}: {error}", 0
+    scenes = sorted((ROOT / "scenes").glob("*.toml"))
+    results = side_by_side(lambda path: checked_run(path, options.long), scenes)
+    for path, (problem, rate, seconds) in zip(scenes, results):
         if report.check(f"scene {path.stem}", problem):
-            print(f"{path.stem}: {time.monotonic() - begin:.1f} s, {rate:.0f} steps a second")
+            print(f"{path.stem}: {seconds:.1f} s, {rate:.0f} steps a second")
     report.finish()
 
 

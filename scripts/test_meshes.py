@@ -12,7 +12,7 @@ import tempfile
 import time
 
 import summary
-from report import Report
+from report import Report, side_by_side
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHYXEL = ROOT / "build" / "release" / "bin" / "phyxel"
@@ -103,6 +103,16 @@ def drop(name, mesh, folder):
     return done, summary.problem(found, {"body": DENSITY}, BALANCE_BOUND)
 
 
+def checked_drop(name, mesh, folder):
+    """The same, and the time it took [s]."""
+    begin = time.monotonic()
+    try:
+        done, problem = drop(name, mesh, folder)
+    except (OSError, ValueError, KeyError) as error:
+        done, problem = "no result", f"{type(error).__name__}: {error}"
+    return done, problem, time.monotonic() - begin
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sample", type=int, metavar="N", help="only N of them, always the same")
@@ -115,14 +125,11 @@ def main():
     report = Report()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for mesh, path in sorted(unpack(names, folder).items()):
-            begin = time.monotonic()
-            try:
-                done, problem = drop(mesh, path, folder)
-            except (OSError, ValueError, KeyError) as error:
-                done, problem = "no result", f"{type(error).__name__}: {error}"
+        meshes = sorted(unpack(names, folder).items())
+        results = side_by_side(lambda item: checked_drop(*item, folder), meshes)
+        for (mesh, _), (done, problem, seconds) in zip(meshes, results):
             if report.check(f"mesh {mesh}", problem):
-                print(f"{mesh:18} {'closed' if mesh in CLOSED else 'broken'}  {time.monotonic() - begin:5.1f} s  {done}")
+                print(f"{mesh:18} {'closed' if mesh in CLOSED else 'broken'}  {seconds:5.1f} s  {done}")
     report.finish()
 
 
