@@ -8,7 +8,7 @@ namespace phyxel {
 namespace {
 
 constexpr double reach_outside = 0.5;  ///< [spacings] from which a sample may come to touch within a step
-constexpr double reach_inside = 3;     ///< [spacings] deeper ones have no side any more
+constexpr double reach_inside = 0.75;  ///< [spacings] how deep contact may hold one, besides how far the step goes
 
 std::vector<Vec3> sample_places(const BodyContact::Side& side, std::span<const Vec3> x, const Threads& threads) {
     const EmbeddedPoints& samples = side.surface->samples();
@@ -29,7 +29,8 @@ bool comes_before(const BodyStick& a, const BodyStick& b) {
 
 }  // namespace
 
-void BodyContact::find(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Threads& threads) {
+void BodyContact::find(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double motion,
+                       const Threads& threads) {
     pairs_.clear();
     entries_.clear();
     const auto own = [&](const Side& side) { return std::span(x).subspan(side.first, side.nodes); };
@@ -40,17 +41,19 @@ void BodyContact::find(const std::vector<Vec3>& x, const std::vector<Vec3>& star
             if (s == o) continue;
             const std::span<const std::uint32_t> apart = sides_[s].apart;
             if (!std::binary_search(apart.begin(), apart.end(), sides_[o].number))
-                find_between(s, o, places, x, threads);
+                find_between(s, o, motion, places, x, threads);
         }
     set_stiffness();
     set_friction(x, start);
 }
 
-void BodyContact::find_between(std::uint32_t s, std::uint32_t o, const std::vector<std::vector<Vec3>>& places,
-                               const std::vector<Vec3>& x, const Threads& threads) {
+void BodyContact::find_between(std::uint32_t s, std::uint32_t o, double motion,
+                               const std::vector<std::vector<Vec3>>& places, const std::vector<Vec3>& x,
+                               const Threads& threads) {
     const Side &side = sides_[s], &other = sides_[o];
     const std::span<const Vec3> own_x = std::span(x).subspan(side.first, side.nodes);
-    const double outside = reach_outside * std::min(side.spacing, other.spacing), inside = reach_inside * other.spacing;
+    const double outside = reach_outside * std::min(side.spacing, other.spacing);
+    const double inside = reach_inside * other.spacing + motion;
     Bounds other_box;
     for (const Vec3& place : places[o]) other_box.add(place);
     other_box = grown(other_box, outside);

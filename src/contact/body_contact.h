@@ -33,8 +33,9 @@ public:
     };
     explicit BodyContact(std::vector<Side> sides) : sides_(std::move(sides)) {}
 
-    /// Finds the pairs that touch or nearly do at `x`. Slip counts from `start`, where the bodies were.
-    void find(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Threads& threads);
+    /// Finds the pairs that touch or nearly do at `x`, which two bodies came to by at most `motion` [m] against each
+    /// other: no sample is much deeper. Slip counts from `start`, where the bodies were.
+    void find(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double motion, const Threads& threads);
     bool empty() const { return pairs_.empty(); }
 
     void add_forces(const std::vector<Vec3>& x, std::vector<Vec3>& f) const;
@@ -68,8 +69,8 @@ private:
         Vec3 origin{};         ///< x_s - y at the start of the step, less the stretch it began with
     };
 
-    void find_between(std::uint32_t side, std::uint32_t other, const std::vector<std::vector<Vec3>>& places,
-                      const std::vector<Vec3>& x, const Threads& threads);
+    void find_between(std::uint32_t side, std::uint32_t other, double motion,
+                      const std::vector<std::vector<Vec3>>& places, const std::vector<Vec3>& x, const Threads& threads);
     void set_stiffness();
     void set_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start);
 

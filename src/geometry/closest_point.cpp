@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace phyxel {
 namespace {
 
-double distance_to_box(const Vec3& p, const Bounds& box) {
+double squared_distance_to_box(const Vec3& p, const Bounds& box) {
     double squared = 0;
     for (int c = 0; c < 3; ++c) {
         const double outside = std::max({box.lower[c] - p[c], p[c] - box.upper[c], 0.0});
         squared += outside * outside;
     }
-    return std::sqrt(squared);
+    return squared;
 }
 
 }  // namespace
@@ -47,24 +48,36 @@ TrianglePoint closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const V
 
 SurfaceFoot closest_point(const TriangleMesh& mesh, const Bvh& tree, const Vec3& p, double reach) {
     SurfaceFoot nearest{no_triangle, {}, reach};
-    std::vector<std::uint32_t> stack{0};
-    while (!stack.empty() && !tree.nodes.empty()) {
-        const std::uint32_t at = stack.back();
-        const Bvh::Node& node = tree.nodes[at];
-        stack.pop_back();
-        if (distance_to_box(p, node.box) > nearest.distance) continue;
+    if (tree.nodes.empty()) return nearest;
+    double least = reach * reach;
+    struct Visit {
+        std::uint32_t node;
+        double squared;
+    };
+    std::array<Visit, 128> stack;  // two a level of a balanced tree
+    std::size_t open = 0;
+    stack[open++] = {0, squared_distance_to_box(p, tree.nodes[0].box)};
+    while (open > 0) {
+        const Visit visit = stack[--open];
+        if (visit.squared > least) continue;
+        const Bvh::Node& node = tree.nodes[visit.node];
         if (!node.leaf()) {
-            stack.push_back(node.right);
-            stack.push_back(at + 1);
+            Visit near{visit.node + 1, squared_distance_to_box(p, tree.nodes[visit.node + 1].box)},
+                far{node.right, squared_distance_to_box(p, tree.nodes[node.right].box)};
+            if (far.squared < near.squared) std::swap(near, far);
+            stack[open++] = far;
+            stack[open++] = near;
             continue;
         }
         for (std::uint32_t k = node.begin; k < node.end; ++k) {
             const std::uint32_t triangle = tree.order[k];
             const Triangle& t = mesh.triangles[triangle];
             const TrianglePoint point = closest_point(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
-            const double distance = norm(p - point.position);
-            if (distance < nearest.distance || (distance == nearest.distance && triangle < nearest.triangle))
-                nearest = {triangle, point, distance};
+            const double squared = norm_squared(p - point.position);
+            if (squared < least || (squared == least && triangle < nearest.triangle)) {
+                least = squared;
+                nearest = {triangle, point, std::sqrt(squared)};
+            }
         }
     }
     return nearest;

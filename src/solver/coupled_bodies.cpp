@@ -35,7 +35,8 @@ void CoupledBodies::turn(const std::vector<Vec3>& x) {
     for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].preconditioner->turn(of(p, x), threads);
 }
 
-void CoupledBodies::support(const std::vector<Vec3>& x) {
+bool CoupledBodies::support(const std::vector<Vec3>& x) {
+    bool any = false;
     std::vector<Mat3> between;
     if (contact_ && !contact_->empty()) {
         between.resize(x.size());
@@ -47,11 +48,40 @@ void CoupledBodies::support(const std::vector<Vec3>& x) {
             blocks.resize(parts_[p].potential->size());
             for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] += between[offset_[p] + i];
         }
+        any = any || !blocks.empty();
         parts_[p].preconditioner->set_supports(std::move(blocks), threads);
     }
+    find_rigid_modes(x);
+    return any;
+}
+
+void CoupledBodies::find_rigid_modes(const std::vector<Vec3>& x) {
+    modes_.clear();
+    std::vector<RigidModes::Body> free;
+    bool touch = contact_ && !contact_->empty();
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const IncrementalPotential& potential = *parts_[p].potential;
+        if (!potential.body.constraints.empty() || potential.inertia == 0) continue;
+        free.push_back({offset_[p], of(p, x), potential.body.model.mass, potential.inertia});
+        touch = touch || !potential.body.touches.empty();
+    }
+    if (!touch || free.empty()) return;
+    modes_.build(free, x.size(), [&](const std::vector<Vec3>& d, std::vector<Vec3>& out) {
+        for (std::size_t p = 0; p < parts_.size(); ++p)
+            parts_[p].potential->add_contact_action(of(p, x), of(p, d), of(p, out));
+        if (contact_) contact_->add_action(x, d, out);
+    });
 }
 
 void CoupledBodies::precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z) {
+    if (modes_.empty()) return precondition_alone(r, z);
+    std::vector<Vec3> rest = r;
+    const Eigen::VectorXd taken = modes_.take(rest);
+    precondition_alone(rest, z);
+    modes_.add(taken, z);
+}
+
+void CoupledBodies::precondition_alone(const std::vector<Vec3>& r, std::vector<Vec3>& z) {
     if (parts_.size() == 1) return parts_.front().preconditioner->apply(r, z, threads);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         const std::span<const Vec3> own = of(p, r);

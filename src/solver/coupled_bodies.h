@@ -2,6 +2,7 @@
 
 #include "contact/body_contact.h"
 #include "solver/incremental_potential.h"
+#include "solver/rigid_modes.h"
 #include "solver/warped_preconditioner.h"
 
 namespace phyxel {
@@ -36,17 +37,21 @@ public:
 
     /// Turns the frames of the preconditioner with the bodies at x.
     void turn(const std::vector<Vec3>& x);
-    /// Takes the stiffness of contact at x into the preconditioner; after `turn`.
-    void support(const std::vector<Vec3>& x);
-    /// z = V r, body by body.
+    /// Takes the stiffness of contact at x into the preconditioner, after `turn`. Whether there is any.
+    bool support(const std::vector<Vec3>& x);
+    /// z = V r, body by body, and together for the rigid motions of those that touch something.
     void precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z);
 
     const Threads& threads;
 
 private:
+    void find_rigid_modes(const std::vector<Vec3>& x);
+    void precondition_alone(const std::vector<Vec3>& r, std::vector<Vec3>& z);
+
     std::vector<Part> parts_;
     std::vector<std::size_t> offset_;  ///< [parts + 1] first node of each body
     const BodyContact* contact_;
+    RigidModes modes_;
 };
 
 }  // namespace phyxel

@@ -13,6 +13,7 @@ namespace {
 constexpr double tolerance = 3e-3;  ///< of the way of a step, in the metric of the masses
 constexpr double least_way = 1e-6;  ///< [spacings] of all nodes, below which nothing moves
 constexpr int most_iterations = 40, most_newton = 60;
+constexpr int most_restarts = 4;    ///< of L-BFGS, where something touches
 constexpr int friction_passes = 2;  ///< solves with normal forces of the last one
 
 /// v = (a0 x - past x)/dt and f = M (a0 v - past v)/dt, past = a1 now - a2 before.
@@ -131,9 +132,20 @@ void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Force
     b_.exchanged.numerical -= *b_.step_energy - before;
 }
 
+double furthest(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    double way = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) way = std::max(way, norm(to[i] - from[i]));
+    return way;
+}
+
 SolveReport solve(CoupledBodies& bodies, const std::vector<Vec3>& start, std::vector<Vec3>& x,
                   const SolveTolerance& bound) {
+    // Where contact opens or closes on the way, the preconditioner is told, and L-BFGS begins anew.
     SolveReport report = l_bfgs(bodies, x, bound, most_iterations);
+    for (int k = 0; k < most_restarts && !report.converged; ++k) {
+        if (!bodies.support(x)) break;
+        report.add(l_bfgs(bodies, x, bound, most_iterations));
+    }
     if (report.converged) return report;
     // Newton's method from where L-BFGS got, else from where the bodies were.
     report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
@@ -176,7 +188,7 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
     SolveReport report;
     for (int pass = 0; pass < friction_passes; ++pass) {
         for (std::size_t p = 0; p < steps.size(); ++p) steps[p]->potential.lag_friction(bodies.of(p, x));
-        if (members.size() > 1) contact.find(x, begin, threads);
+        if (members.size() > 1) contact.find(x, begin, 2 * furthest(begin, x), threads);
         const auto rests = [](const auto& step) { return step->potential.body.rubs.empty(); };
         if (pass > 0 && contact.empty() && (!rubs || std::all_of(steps.begin(), steps.end(), rests))) break;
         bodies.support(x);

@@ -101,9 +101,14 @@ void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3>
     threads.for_each(free_.size(), node_chunk,
                      [&](std::size_t i) { out[i] = stiffness * out[i] + inertia * m.mass[i] * d[i]; });
     body.constraints.add_penalty_action(d, out);
+    add_contact_action(x, d, out);
+    threads.for_each(out.size(), node_chunk, [&](std::size_t i) { out[i] = times(free_[i], out[i]); });
+}
+
+void IncrementalPotential::add_contact_action(std::span<const Vec3> x, std::span<const Vec3> d,
+                                              std::span<Vec3> out) const {
     if (!body.touches.empty()) body.contact->add_action(body.touches, d, out);
     if (!body.rubs.empty()) body.contact->add_friction_action(body.rubs, x, d, out);
-    threads.for_each(out.size(), node_chunk, [&](std::size_t i) { out[i] = times(free_[i], out[i]); });
 }
 
 void IncrementalPotential::add_free(double s, std::span<const Vec3> f, std::span<Vec3> a) const {

@@ -39,6 +39,8 @@ public:
     /// Writes the second derivative at x applied to d, held components 0.
     void action(std::span<const Vec3> x, std::span<const Vec3> d, std::span<Vec3> out);
 
+    /// Adds the part of the action that contact with obstacles and its friction have.
+    void add_contact_action(std::span<const Vec3> x, std::span<const Vec3> d, std::span<Vec3> out) const;
     /// a += s f in the components that are not held.
     void add_free(double s, std::span<const Vec3> f, std::span<Vec3> a) const;
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <deque>
 
@@ -8,6 +9,7 @@ namespace phyxel {
 namespace {
 
 constexpr std::size_t most_pairs = 5;
+constexpr int most_tries = 8;                 ///< of shorter and shorter steps
 constexpr int most_shortenings_in_a_row = 2;  ///< before Newton's method had better go on
 
 struct Pair {
@@ -55,19 +57,20 @@ SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
         bodies.gradient(x, g);
 
         // Where the step overshot, the secant through both slopes says how far to go.
-        const double ratio = inner(g, d, threads) / decrease;
-        if (!std::isfinite(ratio) || ratio > 0.5) {
-            if (++shortened > most_shortenings_in_a_row) {
-                report.trouble = "the implicit step overshot again and again";
-                return report;
-            }
-            const double length = std::isfinite(ratio) && ratio < 50 ? 1 / (1 + ratio) : 0.1;
-            add_scaled(x, length - 1, d, threads);
-            threads.for_each(n, node_chunk, [&](std::size_t i) { d[i] *= length; });
+        double length = 1, ratio = inner(g, d, threads) / decrease;
+        for (int s = 0; s < most_tries && (!std::isfinite(ratio) || ratio > 0.5); ++s) {
+            const double shorter = length * (std::isfinite(ratio) ? std::clamp(1 / (1 + ratio), 0.05, 0.7) : 0.05);
+            add_scaled(x, shorter - length, d, threads);
+            length = shorter;
             bodies.gradient(x, g);
-        } else {
-            shortened = 0;
+            ratio = inner(g, d, threads) / decrease;
         }
+        shortened = length < 1 ? shortened + 1 : 0;
+        if (!std::isfinite(ratio) || shortened > most_shortenings_in_a_row) {
+            report.trouble = "the implicit step overshot again and again";
+            return report;
+        }
+        threads.for_each(n, node_chunk, [&](std::size_t i) { d[i] *= length; });
 
         if (pairs.size() == most_pairs) pairs.pop_front();
         Pair pair{d, g, 0};

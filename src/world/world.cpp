@@ -62,7 +62,7 @@ void let_overlapping_pass(World::Parts& p, DynamicBody& added) {
                               added.model.sampling.spacing,
                               {},
                               {}}});
-        contact.find(x, x, p.threads);
+        contact.find(x, x, norm(bounding_box(added.mesh).size()), p.threads);
         const double depth = contact.deepest(x);
         if (depth <= 0.1 * std::min(other.model.sampling.spacing, added.model.sampling.spacing)) continue;
         added.apart.push_back(i);
