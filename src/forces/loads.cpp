@@ -16,9 +16,13 @@ SurfaceLoad::SurfaceLoad(const Model& model, const TriangleMesh& mesh, const Loa
     for (std::size_t s = 0; s < pieces_.size(); ++s)
         for (std::uint32_t k = pieces_.offset[s]; k < pieces_.offset[s + 1]; ++k)
             force[pieces_.node[k]] += pieces_.phi[k] * norm(selection.area[s]) * traction;
-    for (std::uint32_t i = 0; i < force.size(); ++i)
-        if (force[i] != Vec3{}) node_.push_back(i), force_.push_back(force[i]);
-    pieces_ = {};
+    *this = SurfaceLoad(force);
+    ramp_ = load.ramp;
+}
+
+SurfaceLoad::SurfaceLoad(std::span<const Vec3> forces) {
+    for (std::uint32_t i = 0; i < forces.size(); ++i)
+        if (forces[i] != Vec3{}) node_.push_back(i), force_.push_back(forces[i]);
 }
 
 void SurfaceLoad::add(double time, std::span<const Vec3> x, std::span<Vec3> f) const {

@@ -13,6 +13,8 @@ namespace phyxel {
 class SurfaceLoad {
 public:
     SurfaceLoad(const Model& model, const TriangleMesh& mesh, const Load& load, const Threads& threads);
+    /// A dead load that varies from place to place, given as its nodal forces [nodes] [N].
+    explicit SurfaceLoad(std::span<const Vec3> forces);
 
     /// Adds the forces at time `time` [s] to `f`. Pressure follows the surface: -p cof(F) N dA.
     void add(double time, std::span<const Vec3> x, std::span<Vec3> f) const;
