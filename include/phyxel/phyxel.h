@@ -6,6 +6,7 @@
 #include "phyxel/error.h"
 #include "phyxel/material.h"
 #include "phyxel/mesh.h"
+#include "phyxel/solver.h"
 #include "phyxel/vector.h"
 #include "phyxel/version.h"
 #include "phyxel/world.h"

@@ -11,6 +11,7 @@
 
 #include "phyxel/body.h"
 #include "phyxel/mesh.h"
+#include "phyxel/solver.h"
 
 namespace phyxel {
 
@@ -38,7 +39,8 @@ struct WorldSettings {
     double mass_damping = 0;  ///< Rayleigh alpha [1/s]; raising it slows all motion, falling included
     double stiffness_damping =
         0;            ///< Rayleigh beta [s], on the rate of strain; raising it quiets vibration, shortens steps
-    int threads = 0;  ///< 0: all of the machine's; results do not depend on it
+    SolverSettings solver{};  ///< of implicit steps and equilibria
+    int threads = 0;          ///< 0: all of the machine's; results do not depend on it
     ParallelFor parallel_for{};  ///< the caller's own task system; empty: a pool of `threads`
 };
 

@@ -306,13 +306,16 @@ double internal_forces(const Model& m, std::span<const Vec3> x, std::span<const 
 }
 
 void stiffness_action(const Model& m, std::span<const Vec3> x, std::span<const Vec3> d, ForceWorkspace& work,
-                      const Threads& threads, std::span<Vec3> out) {
+                      const Threads& threads, std::span<Vec3> out, Tangent tangent) {
     find_pressures(m, x, d, work, threads,
                    [](Law law, const Mat3& F, const Mat3& dF) { return contract(dilatation_gradient(law, F), dF); });
     const auto point = [&](const PointState& p, Double4* f_slots) {
         if (has_nodal(m) && m.nodal.kappa[p.q] > 0)
             nodal_forces(m, p.block, p.q, p.F_rate, {p.v, nullptr, 0}, -1, f_slots);
-        return -m.volumes[p.q] * point_stress_action(m, p.q, p.F, p.F_rate, work.pressure, work.pressure_rate);
+        const Mat3 dP = tangent == Tangent::exact
+                            ? point_stress_action(m, p.q, p.F, p.F_rate, work.pressure, work.pressure_rate)
+                            : corotated_frozen_action(p.F, p.F_rate, m.point_material(p.q).lame);
+        return -m.volumes[p.q] * dP;
     };
     scatter_points(m, x, d, work, threads, out, point);
     if (has_filter(m)) add_filter_forces(m, d, {}, 0, 1, work, threads, out);

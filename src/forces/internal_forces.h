@@ -5,6 +5,7 @@
 
 #include "base/simd.h"
 #include "model/model.h"
+#include "phyxel/solver.h"
 
 namespace phyxel {
 
@@ -38,6 +39,6 @@ double internal_forces(const Model& model, std::span<const Vec3> x, std::span<co
 /// Writes K(x) d, the derivative of the internal forces' negative in the direction d, elastic and stabilization, into
 /// `out`.
 void stiffness_action(const Model& model, std::span<const Vec3> x, std::span<const Vec3> d, ForceWorkspace& work,
-                      const Threads& threads, std::span<Vec3> out);
+                      const Threads& threads, std::span<Vec3> out, Tangent tangent = Tangent::exact);
 
 }  // namespace phyxel

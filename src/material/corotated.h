@@ -67,6 +67,14 @@ inline Mat3 corotated_stress_action(const Mat3& F, const Mat3& dF, const Lame& m
     return 2 * m.mu * dF + m.lambda * contract(R, dF) * R + (pressure - 2 * m.mu) * dR;
 }
 
+/// The same without the change of R: never negative, and blind to the stiffness that stress gives (Brunet et al. 2019,
+/// equation 14, corrected).
+inline Mat3 corotated_frozen_action(const Mat3& F, const Mat3& dF, const Lame& m) {
+    const Mat3 R = polar_rotation(F);
+    const Mat3 W = transpose(R) * dF;
+    return R * (m.mu * (W + transpose(W)) + m.lambda * trace(W) * Mat3::identity());
+}
+
 /// Dilatation tr(S - I), of which the energy holds lambda/2 times the square; its derivative by F is R.
 inline double corotated_dilatation(const Mat3& F) {
     const Mat3 R = polar_rotation(F);

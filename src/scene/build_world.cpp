@@ -68,6 +68,7 @@ WorldSettings world_settings(const SceneSimulation& simulation, int threads) {
     settings.integrator = simulation.integrator;
     settings.mass_damping = simulation.mass_damping;
     settings.stiffness_damping = simulation.stiffness_damping;
+    settings.solver = simulation.solver;
     settings.threads = threads;
     return settings;
 }

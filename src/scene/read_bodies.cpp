@@ -152,9 +152,10 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
 std::vector<SceneBody> read_bodies(const TableReader& root, const std::vector<SceneMaterial>& materials) {
     std::vector<SceneBody> bodies;
     Names names("body");
-    for (const TableReader& reader : root.list(
-             "body", {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
-                      "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency", "stabilization", "friction"}))
+    for (const TableReader& reader :
+         root.list("body", {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
+                            "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency",
+                            "stabilization", "friction"}))
         bodies.push_back(read_body(reader, materials, names));
     if (bodies.empty())
         root.fail(Place{}, "found no body, expected at least one; add [[body]] with a mesh or shape and a material");

@@ -20,6 +20,32 @@ constexpr Choice<Integrator> integrators[] = {
     {"auto", Integrator::verlet, false},
 };
 
+constexpr Choice<SolverMethod> methods[] = {
+    {"l-bfgs", SolverMethod::l_bfgs},
+    {"newton", SolverMethod::newton},
+    {"single-newton", SolverMethod::single_newton},
+};
+constexpr Choice<Tangent> tangents[] = {{"exact", Tangent::exact}, {"brunet-2019", Tangent::brunet_2019}};
+constexpr Choice<SolverPrecision> precisions[] = {{"single", SolverPrecision::single},
+                                                  {"double", SolverPrecision::full}};
+
+SolverSettings read_solver(const TableReader& simulation, Integrator integrator) {
+    SolverSettings settings;
+    const auto reader = simulation.table("solver", {"method", "tolerance", "tangent", "precision"});
+    if (!reader) return settings;
+    if (is_explicit(integrator))
+        simulation.fail("solver",
+                        "explicit integrators solve nothing; remove it, or use integrator = "
+                        "\"implicit-euler\", \"bdf2\" or \"static\"");
+    settings.method = reader->choice<SolverMethod>("method", methods).value_or(settings.method);
+    if (integrator == Integrator::statics && settings.method == SolverMethod::single_newton)
+        reader->fail("method", "one Newton iteration is a step of implicit-euler or bdf2 and finds no equilibrium");
+    settings.tolerance = reader->number("tolerance", between(1e-12, 0.5)).value_or(settings.tolerance);
+    settings.tangent = reader->choice<Tangent>("tangent", tangents).value_or(settings.tangent);
+    settings.precision = reader->choice<SolverPrecision>("precision", precisions).value_or(settings.precision);
+    return settings;
+}
+
 std::optional<double> read_time_step(const TableReader& reader) {
     constexpr Choice<bool> words[] = {{"auto", true}};
     if (!reader.has("time_step")) return {};
@@ -35,7 +61,7 @@ std::optional<double> read_time_step(const TableReader& reader) {
 SceneSimulation read_simulation(const TableReader& root) {
     SceneSimulation simulation;
     const auto reader =
-        root.table("simulation", {"integrator", "time_step", "duration", "frame_rate", "gravity", "damping"});
+        root.table("simulation", {"integrator", "time_step", "duration", "frame_rate", "gravity", "damping", "solver"});
     if (!reader) return simulation;
     simulation.integrator = reader->choice<Integrator>("integrator", integrators).value_or(simulation.integrator);
     simulation.time_step = read_time_step(*reader);
@@ -46,6 +72,8 @@ SceneSimulation read_simulation(const TableReader& root) {
         simulation.mass_damping = damping->number("mass", at_least(0, "1/s")).value_or(0);
         simulation.stiffness_damping = damping->number("stiffness", at_least(0, "s")).value_or(0);
     }
+
+    simulation.solver = read_solver(*reader, simulation.integrator);
 
     // A static run is one step and one frame of results; implicit steps divide the frames
     if (simulation.integrator == Integrator::statics) {

@@ -25,6 +25,7 @@ struct SceneSimulation {
     Vec3 gravity{0, -9.81, 0};          ///< [m/s^2]
     double mass_damping = 0;            ///< [1/s]
     double stiffness_damping = 0;       ///< [s]
+    SolverSettings solver{};
 };
 
 struct SceneMaterial {

@@ -73,25 +73,44 @@ Json fixes_json(const Scene& scene, const BuiltScene& built) {
     return all;
 }
 
-const char* method(Integrator integrator) {
-    switch (integrator) {
+std::string method(const SceneSimulation& simulation) {
+    const auto name = [&]() -> std::string {
+        switch (simulation.solver.method) {
+            case SolverMethod::l_bfgs:
+                return "L-BFGS with warped multigrid";
+            case SolverMethod::newton:
+                return "Newton and conjugate gradients with warped multigrid";
+            case SolverMethod::single_newton:
+                break;
+        }
+        return "one Newton iteration";
+    };
+    switch (simulation.integrator) {
         case Integrator::leap_frog:
             return "leap-frog";
         case Integrator::verlet:
             return "verlet";
         case Integrator::implicit_euler:
-            return "implicit-euler, L-BFGS with warped multigrid";
+            return "implicit-euler, " + name();
         case Integrator::bdf2:
-            return "bdf2, L-BFGS with warped multigrid";
+            return "bdf2, " + name();
         case Integrator::statics:
             break;
     }
     return "static, Newton and conjugate gradients with warped multigrid";
 }
 
+/// 0 for explicit integrators.
+double tolerance(const SceneSimulation& simulation) {
+    if (is_explicit(simulation.integrator)) return 0;
+    if (simulation.solver.tolerance > 0) return simulation.solver.tolerance;
+    return simulation.integrator == Integrator::statics ? default_static_tolerance : default_step_tolerance;
+}
+
 /// Explicit integrators solve nothing: their iterations are zero, and what counts is the steps they took.
 Json solver_json(const Scene& scene, const RunRecord& record) {
-    return {{"method", method(scene.simulation.integrator)},
+    return {{"method", method(scene.simulation)},
+            {"tolerance", tolerance(scene.simulation)},
             {"newton_iterations", record.newton_iterations},
             {"newton_iterations_worst", record.newton_worst},
             {"linear_iterations", record.linear_iterations},

@@ -19,7 +19,8 @@ struct Surroundings {
     Vec3 gravity{};
     double mass_damping = 0;       ///< [1/s]
     double stiffness_damping = 0;  ///< [s]
-    std::vector<Collider> colliders;
+    std::vector<Collider> colliders{};
+    SolverSettings solver{};
 };
 
 /// Amounts of energy [J] that left or entered a body since the start.

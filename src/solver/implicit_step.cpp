@@ -10,7 +10,6 @@
 namespace phyxel {
 namespace {
 
-constexpr double tolerance = 3e-3;  ///< of the way of a step, in the metric of the masses
 constexpr double least_way = 1e-6;  ///< [spacings] of all nodes, below which nothing moves
 constexpr int most_iterations = 40, most_newton = 60;
 constexpr int most_restarts = 4;    ///< of L-BFGS, where something touches
@@ -72,7 +71,7 @@ private:
 
 BodyStep::BodyStep(DynamicBody& b, const Surroundings& around, ImplicitScheme scheme, double start, double dt,
                    const Threads& threads)
-    : potential(b, around, Precision::single, threads),
+    : potential(b, around, around.solver.precision, threads),
       b_(b),
       around_(around),
       start_(start),
@@ -132,14 +131,35 @@ void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Force
     b_.exchanged.numerical -= *b_.step_energy - before;
 }
 
+/// Newton's method once more, from where the bodies were, after it failed from a guess.
+SolveReport solve_from_start(CoupledBodies& bodies, const std::vector<Vec3>& start, std::vector<Vec3>& x,
+                             const SolveTolerance& bound, SolveReport report) {
+    x = start;
+    bodies.place_held(x);
+    report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
+    return report;
+}
+
 double furthest(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     double way = 0;
     for (std::size_t i = 0; i < from.size(); ++i) way = std::max(way, norm(to[i] - from[i]));
     return way;
 }
 
-SolveReport solve(CoupledBodies& bodies, const std::vector<Vec3>& start, std::vector<Vec3>& x,
+SolveReport solve(CoupledBodies& bodies, SolverMethod method, const std::vector<Vec3>& start, std::vector<Vec3>& x,
                   const SolveTolerance& bound) {
+    if (method == SolverMethod::single_newton) {
+        x = start;
+        SolveReport report = newton(bodies, x, bound, NewtonSteps::full, 1);
+        report.converged = std::isfinite(report.residual);
+        return report;
+    }
+    if (method == SolverMethod::newton) {
+        const SolveReport report = newton(bodies, x, bound, NewtonSteps::guarded, most_newton);
+        if (report.converged) return report;
+        return solve_from_start(bodies, start, x, bound, report);
+    }
+
     // Where contact opens or closes on the way, the preconditioner is told, and L-BFGS begins anew.
     SolveReport report = l_bfgs(bodies, x, bound, most_iterations);
     for (int k = 0; k < most_restarts && !report.converged; ++k) {
@@ -150,10 +170,7 @@ SolveReport solve(CoupledBodies& bodies, const std::vector<Vec3>& start, std::ve
     // Newton's method from where L-BFGS got, else from where the bodies were.
     report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
     if (report.converged) return report;
-    x = start;
-    bodies.place_held(x);
-    report.add(newton(bodies, x, bound, NewtonSteps::guarded, most_newton));
-    return report;
+    return solve_from_start(bodies, start, x, bound, report);
 }
 
 }  // namespace
@@ -185,14 +202,16 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
     bodies.place_held(x);
     bodies.turn(x);
 
+    const double tolerance = around.solver.tolerance > 0 ? around.solver.tolerance : default_step_tolerance;
+    const bool single = around.solver.method == SolverMethod::single_newton;
     SolveReport report;
-    for (int pass = 0; pass < friction_passes; ++pass) {
+    for (int pass = 0; pass < friction_passes && !(single && pass > 0); ++pass) {
         for (std::size_t p = 0; p < steps.size(); ++p) steps[p]->potential.lag_friction(bodies.of(p, x));
         if (members.size() > 1) contact.find(x, begin, 2 * furthest(begin, x), threads);
         const auto rests = [](const auto& step) { return step->potential.body.rubs.empty(); };
         if (pass > 0 && contact.empty() && (!rubs || std::all_of(steps.begin(), steps.end(), rests))) break;
         bodies.support(x);
-        report.add(solve(bodies, begin, x, {0, tolerance * way, 1e-2}));
+        report.add(solve(bodies, around.solver.method, begin, x, {0, tolerance * way, single ? 1e-8 : 1e-2}));
         if (!report.converged) return report;
     }
 

@@ -12,12 +12,13 @@ constexpr double contact_share = 10;  ///< stiffness of contact over 1 / (tau^2 
 
 }  // namespace
 
-IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& surroundings, Precision precision,
+IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& surroundings, SolverPrecision precision,
                                            const Threads& t)
     : body(b),
       around(surroundings),
       threads(t),
-      fast_(precision == Precision::single && surroundings.stiffness_damping == 0 ? b.prepare_fast_forces(t) : nullptr),
+      fast_(precision == SolverPrecision::single && surroundings.stiffness_damping == 0 ? b.prepare_fast_forces(t)
+                                                                                        : nullptr),
       free_(b.constraints.free_components(b.model.rest.size())) {
     velocity_.resize(free_.size());
     velocity_offset.resize(free_.size());
@@ -95,7 +96,7 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
 
 void IncrementalPotential::action(std::span<const Vec3> x, std::span<const Vec3> d, std::span<Vec3> out) {
     const Model& m = body.model;
-    stiffness_action(m, x, d, body.work, threads, out);
+    stiffness_action(m, x, d, body.work, threads, out, around.solver.tangent);
     // Viscous forces: their change with the rate of strain, taken as that of the elastic ones.
     const double stiffness = 1 + around.stiffness_damping * velocity_share;
     threads.for_each(free_.size(), node_chunk,

@@ -7,16 +7,13 @@
 
 namespace phyxel {
 
-/// Of the internal forces: single where a step's tolerance is far above its rounding, a tenth of the time.
-enum class Precision { single, full };
-
 /// What an implicit step minimizes over the node positions x at the end of the step, and a static solve without the
 /// first term:
 ///     c/2 |x - target|^2_M + Psi(x) + penalties(x) + contact(x) + friction(x) - loads . x
 /// Held components of x do not vary. Damping and pressure loads are no potentials; their forces count in the gradient.
 class IncrementalPotential {
 public:
-    IncrementalPotential(DynamicBody& body, const Surroundings& around, Precision precision, const Threads& threads);
+    IncrementalPotential(DynamicBody& body, const Surroundings& around, SolverPrecision precision, const Threads& threads);
 
     /// Inertia: c = a0 (a0/dt + alpha)/dt for velocities v = (a0 x - past)/dt (solver/implicit_step.cpp).
     double inertia = 0;                 ///< c [1/s^2]; 0 in statics

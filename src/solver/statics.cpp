@@ -13,7 +13,6 @@
 namespace phyxel {
 namespace {
 
-constexpr double force_tolerance = 1e-9;  ///< residual over the forces that act
 constexpr int most_full = 25, most_guarded = 100;
 constexpr double shortest_load_step = 1.0 / 256;
 
@@ -73,11 +72,13 @@ SolveReport solve(IncrementalPotential& potential, CoupledBodies& alone, std::ve
     double reach = 0;
     for (const Vec3& X : x) reach = std::max(reach, norm(X - x.front()));
     const double rounding = 64 * std::numeric_limits<double>::epsilon() * stiffest_modulus(m) * m.node_length * reach;
-    const SolveTolerance tolerance{std::max(force_tolerance * scale, rounding), 0};
+    const SolverSettings& settings = potential.around.solver;
+    const double share = settings.tolerance > 0 ? settings.tolerance : default_static_tolerance;
+    const SolveTolerance tolerance{std::max(share * scale, rounding), 0};
 
     const std::vector<Vec3> before = x;
     SolveReport total = newton(alone, x, tolerance, NewtonSteps::full, most_full);
-    if (!total.converged) {
+    if (!total.converged && settings.tangent == Tangent::exact) {
         x = before;
         total.add(newton(alone, x, tolerance, NewtonSteps::guarded, most_guarded));
     }
@@ -98,7 +99,7 @@ SolveReport find_equilibrium(DynamicBody& b, const Surroundings& around, double 
     }
     set_contact_stiffness(b, std::numeric_limits<double>::infinity());
     WarpedPreconditioner& preconditioner = b.prepare_preconditioner(1, 0, threads);
-    IncrementalPotential potential(b, around, Precision::full, threads);
+    IncrementalPotential potential(b, around, SolverPrecision::full, threads);
     CoupledBodies alone({{&potential, &preconditioner}}, nullptr, threads);
     std::vector<Vec3> x = b.state.x;
     const double carried = b.carried_load;
@@ -112,6 +113,12 @@ SolveReport find_equilibrium(DynamicBody& b, const Surroundings& around, double 
         if (solved.converged) {
             done = share;
             continue;
+        }
+        if (around.solver.tangent != Tangent::exact) {
+            report.trouble =
+                "with the tangent of Brunet et al. 2019, which leaves out the change of rotation: " + solved.trouble +
+                "; the exact tangent finds it";
+            return report;
         }
         step /= 2;
         if (step < shortest_load_step) {

@@ -22,6 +22,9 @@ void check_settings(const WorldSettings& s) {
     if (!(s.stiffness_damping >= 0) || !std::isfinite(s.stiffness_damping))
         throw Error("stiffness_damping: found " + format_number(s.stiffness_damping) +
                     ", expected a finite number of at least 0 [s]");
+    if (!(s.solver.tolerance >= 0 && s.solver.tolerance <= 0.5))
+        throw Error("solver.tolerance: found " + format_number(s.solver.tolerance) +
+                    ", expected 0 to 0.5, or 0 for the default");
     if (s.threads < 0 || s.threads > 1024)
         throw Error("threads: found " + std::to_string(s.threads) +
                     ", expected 1 to 1024, or 0 for all of the machine's");
@@ -40,6 +43,13 @@ void check_box(const BoxSelection& box, const char* what) {
     for (int c = 0; c < 3; ++c)
         if (!(box.lower[c] <= box.upper[c]))
             throw Error(std::string(what) + " box: its lower corner is above its upper one; swap them");
+}
+
+void check_tangent(const SolverSettings& solver, const Material& material) {
+    if (solver.tangent == Tangent::brunet_2019 && material.law != Law::corotated)
+        throw Error(
+            "material law: solver.tangent brunet-2019 belongs to the corotated law. Use that law, or the exact "
+            "tangent");
 }
 
 bool bodies_meet(Integrator integrator) {
@@ -92,7 +102,7 @@ World::World(const WorldSettings& settings) : parts_(std::make_unique<Parts>()) 
     check_settings(settings);
     parts_->settings = settings;
     parts_->threads = settings.parallel_for ? Threads(settings.parallel_for) : Threads(settings.threads);
-    parts_->around = {settings.gravity, settings.mass_damping, settings.stiffness_damping, {}};
+    parts_->around = {settings.gravity, settings.mass_damping, settings.stiffness_damping, {}, settings.solver};
 }
 
 World::~World() = default;
@@ -101,6 +111,8 @@ World& World::operator=(World&&) noexcept = default;
 
 BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     Parts& p = *parts_;
+    check_tangent(p.settings.solver, settings.material);
+    for (const Region& region : settings.regions) check_tangent(p.settings.solver, region.material);
     Parts::BodyInfo info;
     auto body = make_body(mesh, settings, p, info.mesh_report);
     const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
@@ -259,6 +271,7 @@ void World::set_velocity(BodyId id, const Vec3& velocity) {
 void World::set_material(BodyId id, const Material& material, std::optional<std::size_t> region) {
     Parts& p = *parts_;
     validate(material);
+    check_tangent(p.settings.solver, material);
     DynamicBody& body = p.body(id);
     const std::size_t which = region ? *region + 1 : 0,
                       regions = std::max<std::size_t>(body.model.mixture.materials.size(), 1) - 1;

@@ -6,8 +6,8 @@ namespace phyxel {
 
 /// The beam of Brunet et al. 2019: 20 x 20 x 200 mm, one end clamped, a dead load on the other.
 struct Beam {
-    Beam(double spacing, const Vec3& force, const BodySettings& changes = {})
-        : world({.time_step = 1, .gravity = {}, .integrator = Integrator::statics}) {
+    Beam(double spacing, const Vec3& force, const BodySettings& changes = {}, WorldSettings world_settings = {})
+        : world(statics(world_settings)) {
         BodySettings settings = changes;
         settings.translation = {0.01, 0.01, 0.1};
         settings.spacing = spacing;
@@ -16,6 +16,12 @@ struct Beam {
         grip = world.add_fix(body, {.box = {{-1, -1, -1}, {1, 1, 1e-6}}});
         world.add_load(body, {.box = {{-1, -1, 0.2 - 1e-6}, {1, 1, 1}}, .force = force});
         tip = world.add_probe(body, {0.01, 0.01, 0.2});
+    }
+    static WorldSettings statics(WorldSettings settings) {
+        settings.time_step = 1;
+        settings.gravity = {};
+        settings.integrator = Integrator::statics;
+        return settings;
     }
     /// Of the centre of the end face [m].
     Vec3 displacement() const { return world.probe(tip).position - world.probe(tip).rest; }
