@@ -157,6 +157,19 @@ def torus_on_floor(figure, rows, folder):
         axes.set_title(when)
 
 
+def pile(figure, rows, folder):
+    left, right = figure.subplots(1, 2)
+    left.plot(column(rows, "time [s]"), column(rows, "kinetic [J]"))
+    left.set_xlabel("time [s]")
+    left.set_ylabel("kinetic energy [J]")
+    left.set_yscale("log")
+    for body, part in groups(read(folder / "pile-shapes.csv"), "body").items():
+        right.plot(column(part, "x"), column(part, "y"), ".", markersize=2)
+    right.axhline(0, color="k", linewidth=1)
+    right.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    right.set_title("at the end, from the side")
+
+
 STUDIES = {
     "accuracy": accuracy,
     "convergence": convergence,
@@ -169,6 +182,7 @@ STUDIES = {
     "nodal-integration": nodal_integration,
     "support": support,
     "torus-on-floor": torus_on_floor,
+    "pile": pile,
 }
 
 

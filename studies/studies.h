@@ -24,5 +24,6 @@ int run_irregular_steps(const Options& options);
 int run_nodal_integration(const Options& options);
 int run_support(const Options& options);
 int run_torus_on_floor(const Options& options);
+int run_pile(const Options& options);
 
 }  // namespace phyxel::studies

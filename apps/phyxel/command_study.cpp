@@ -11,9 +11,7 @@ namespace phyxel::cli {
 
 std::string list_of_studies() {
     std::string text = "Studies, figures of Brunet et al. 2019:";
-    for (const Study& study : all_studies())
-        text +=
-            fmt::format("\n  {:<18}{}{}", study.name, study.what, study.lacks.empty() ? "" : " (not available yet)");
+    for (const Study& study : all_studies()) text += fmt::format("\n  {:<18}{}", study.name, study.what);
     return text;
 }
 
@@ -29,8 +27,6 @@ int run_study(const std::string& name, studies::Options options) {
         for (const Study& s : all) names.emplace_back(s.name);
         throw Error(fmt::format("there is no study named '{}'{}", name, suggestion(name, names)));
     }
-    if (!study->lacks.empty())
-        throw Error(fmt::format("study '{}' is not available yet: needs {}", name, study->lacks));
     if (options.folder.empty()) options.folder = std::filesystem::path("output") / name;
     return study->run(options);
 }

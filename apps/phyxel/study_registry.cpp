@@ -16,7 +16,7 @@ const std::vector<Study>& all_studies() {
         {"nodal-integration", "section 4.1: volumes from densities against volumes of the grid", run_nodal_integration},
         {"support", "section 5: how large neighbourhoods should be", run_support},
         {"torus-on-floor", "figure 9: a torus falls on a floor", run_torus_on_floor},
-        {"pile", "figure 10: several bodies fall on each other", nullptr, "contact between bodies"},
+        {"pile", "figure 10: several bodies fall on each other", run_pile},
     };
     return all;
 }

@@ -12,7 +12,6 @@ struct Study {
     std::string_view name;
     std::string_view what;
     int (*run)(const studies::Options& options);
-    std::string_view lacks = {};  ///< what this version lacks for it; empty: nothing
 };
 
 /// All studies, in the order of `phyxel study list`.
