@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "studies/falling.h"
 #include "studies/results.h"
 
 /// Brunet et al. 2019, figure 10: bodies of several shapes fall on each other and on a floor.
@@ -8,32 +9,12 @@
 namespace phyxel::studies {
 namespace {
 
-constexpr double youngs_modulus = 1e5;  // [Pa]
-constexpr double edge = 0.1;            // [m] of a cube; the others are of its size
+constexpr double edge = 0.1;  // [m] of a cube; the others are of its size
 
 TriangleMesh shape(int number) {
     if (number % 3 == 0) return make_box({edge, edge, edge});
     if (number % 3 == 1) return make_sphere(0.6 * edge);
     return make_torus(0.7 * edge, 0.3 * edge);
-}
-
-double lowest(const World& world, BodyId body) {
-    const auto surface = world.surface(body).positions();
-    return std::min_element(surface.begin(), surface.end(), [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; })
-        ->y;
-}
-
-double center_distance(const World& world, BodyId a, BodyId b) {
-    const auto center = [&](BodyId body) {
-        Vec3 sum{};
-        double mass = 0;
-        for (std::size_t i = 0; i < world.masses(body).size(); ++i) {
-            sum += world.masses(body)[i] * world.positions(body)[i];
-            mass += world.masses(body)[i];
-        }
-        return sum / mass;
-    };
-    return norm(center(a) - center(b));
 }
 
 }  // namespace
@@ -48,7 +29,7 @@ int run_pile(const Options& options) {
         settings.spacing = options.small ? 0.03 : 0.02;
         settings.rotation = {{1, 1, 0}, 20.0 * k};
         settings.translation = {0.02 * std::sin(2.0 * k), 0.08 + 0.16 * k, 0.02 * std::cos(2.0 * k)};
-        settings.material = corotated({.density = 1000, .youngs_modulus = youngs_modulus, .poissons_ratio = 0.4});
+        settings.material = falling_material;
         bodies.push_back(world.add_body(shape(k), settings));
     }
     world.add_collider(Plane{.friction = 0.5});
@@ -62,7 +43,7 @@ int run_pile(const Options& options) {
         for (std::size_t i = 0; i < bodies.size(); ++i) {
             deepest = std::min(deepest, lowest(world, bodies[i]));
             for (std::size_t j = i + 1; j < bodies.size(); ++j)
-                nearest = std::min(nearest, center_distance(world, bodies[i], bodies[j]));
+                nearest = std::min(nearest, norm(center(world, bodies[i]) - center(world, bodies[j])));
         }
         if (step % 5 == 0)
             results.add_row(

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "studies/falling.h"
 #include "studies/results.h"
 
 /// Brunet et al. 2019, figure 9: a torus falls on a floor. Nodes hold the state; the surface that is seen and the
@@ -10,23 +11,7 @@ namespace phyxel::studies {
 namespace {
 
 constexpr double major = 0.1, minor = 0.04;  // [m]
-constexpr double youngs_modulus = 1e5;       // [Pa]
 constexpr double fall_duration = 2;          // [s]
-
-double lowest(const World& world, BodyId body) {
-    const auto surface = world.surface(body).positions();
-    return std::min_element(surface.begin(), surface.end(), [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; })
-        ->y;
-}
-
-double center_height(const World& world, BodyId body) {
-    double sum = 0, mass = 0;
-    for (std::size_t i = 0; i < world.positions(body).size(); ++i) {
-        sum += world.masses(body)[i] * world.positions(body)[i].y;
-        mass += world.masses(body)[i];
-    }
-    return sum / mass;
-}
 
 void add_shape(const World& world, BodyId body, const char* when, std::vector<std::vector<Results::Cell>>& rows) {
     for (const Vec3& x : world.positions(body)) rows.push_back({when, "node", x.x, x.y, x.z});
@@ -44,7 +29,7 @@ int run_torus_on_floor(const Options& options) {
     settings.spacing = options.small ? 0.02 : 0.0125;
     settings.rotation = {{1, 0, 0}, 35};
     settings.translation = {0, 0.25, 0};
-    settings.material = corotated({.density = 1000, .youngs_modulus = youngs_modulus, .poissons_ratio = 0.4});
+    settings.material = falling_material;
     const BodyId body = world.add_body(make_torus(major, minor), settings);
     world.add_collider(Plane{.friction = 0.5});
 
@@ -58,7 +43,7 @@ int run_torus_on_floor(const Options& options) {
         completed = completed && report.status == StepStatus::ok;
         deepest = std::min(deepest, lowest(world, body));
         if (step % 4 == 0)
-            results.add_row({world.time(), lowest(world, body), center_height(world, body), world.energy().kinetic,
+            results.add_row({world.time(), lowest(world, body), center(world, body).y, world.energy().kinetic,
                              double(report.contacts), double(report.newton_iterations)});
     }
     add_shape(world, body, "after", shapes);
@@ -69,7 +54,7 @@ int run_torus_on_floor(const Options& options) {
     const double fall = report.mass * 9.81 * 0.2;  // [J]
     results.expect("every step was found", completed);
     results.expect_at_least("lowest point of the surface over the whole time [m]", deepest, -0.25 * report.spacing);
-    results.expect_at_most("height of the center at the end [m]", center_height(world, body), minor + 0.005);
+    results.expect_at_most("height of the center at the end [m]", center(world, body).y, minor + 0.005);
     results.expect_at_most("kinetic energy at the end, of what fell", world.energy().kinetic / fall, 1e-3);
     results.expect_at_most("volume at the end, off by", std::abs(report.volume / report.rest_volume - 1), 0.02);
     return results.finish();
