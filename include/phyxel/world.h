@@ -35,7 +35,7 @@ struct WorldSettings {
     double time_step =
         1.0 / 60;  ///< what `step()` advances [s]; explicit integrators divide it evenly into stable substeps
     Vec3 gravity{0, -9.81, 0};  ///< [m/s^2]
-    Integrator integrator = Integrator::leap_frog;
+    Integrator integrator = Integrator::implicit_euler;
     double mass_damping = 0;  ///< Rayleigh alpha [1/s]; raising it slows all motion, falling included
     double stiffness_damping =
         0;            ///< Rayleigh beta [s], on the rate of strain; raising it quiets vibration, shortens steps

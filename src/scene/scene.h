@@ -18,7 +18,7 @@ namespace phyxel {
 /// their meaning are in docs/scene.md.
 
 struct SceneSimulation {
-    Integrator integrator = Integrator::leap_frog;
+    Integrator integrator = Integrator::implicit_euler;
     std::optional<double> time_step{};  ///< [s]; none: from the stability bound (explicit integrators only)
     double duration = 2;                ///< [s]
     double frame_rate = 60;             ///< [1/s] of written output

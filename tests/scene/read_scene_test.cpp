@@ -62,7 +62,7 @@ TEST(ReadScene, every_key_of_a_full_scene_arrives) {
 TEST(ReadScene, what_is_absent_has_the_contracts_default) {
     const Scene scene = read(least_scene);
     EXPECT_EQ(scene.title, "scene");
-    EXPECT_EQ(scene.simulation.integrator, Integrator::leap_frog);
+    EXPECT_EQ(scene.simulation.integrator, Integrator::implicit_euler);
     EXPECT_EQ(scene.simulation.duration, 2);
     EXPECT_EQ(scene.simulation.frame_rate, 60);
     EXPECT_EQ(scene.simulation.gravity, (Vec3{0, -9.81, 0}));

@@ -23,7 +23,7 @@ BodySettings bar(const AxisAngle& lattice = {}) {
 constexpr AxisAngle lattices[] = {{{0, 0, 1}, 0}, {{1, 2, 3}, 40}};
 
 TEST(Grip, takes_what_it_holds_to_its_keyframes_exactly) {
-    World world({.time_step = 0.01, .gravity = {}, .mass_damping = 20});
+    World world({.time_step = 0.01, .gravity = {}, .integrator = Integrator::leap_frog, .mass_damping = 20});
     const BodyId body = world.add_body(bar_mesh, bar());
     world.add_fix(body, {.box = left});
     const Vec3 center{0.1, 0, 0}, up{0, 0.02, 0};
@@ -56,7 +56,7 @@ TEST(Grip, takes_what_it_holds_to_its_keyframes_exactly) {
 }
 
 TEST(Grip, takes_the_average_of_each_patch_along_where_no_node_lies_on_the_surface) {
-    World world({.time_step = 0.01, .gravity = {}, .mass_damping = 20});
+    World world({.time_step = 0.01, .gravity = {}, .integrator = Integrator::leap_frog, .mass_damping = 20});
     const BodyId body = world.add_body(bar_mesh, bar(lattices[1]));
     const Vec3 way{0.01, 0.02, 0};
     world.add_fix(body, {.box = left});
@@ -70,7 +70,7 @@ TEST(Grip, takes_the_average_of_each_patch_along_where_no_node_lies_on_the_surfa
 
 TEST(Reaction, of_what_holds_a_hanging_body_is_its_weight) {
     for (const AxisAngle& lattice : lattices) {
-        World world({.time_step = 0.05, .mass_damping = 60});
+        World world({.time_step = 0.05, .integrator = Integrator::leap_frog, .mass_damping = 60});
         const BodyId body = world.add_body(bar_mesh, bar(lattice));
         const std::size_t fix = world.add_fix(body, {.box = {{-1, 0.025, -1}, {1, 0.025, 1}}});
         world.advance(0.6);
@@ -84,7 +84,7 @@ TEST(Reaction, of_what_holds_a_hanging_body_is_its_weight) {
 
 TEST(Reaction, of_a_cantilever_is_its_load_and_load_times_arm) {
     for (const AxisAngle& lattice : lattices) {
-        World world({.time_step = 0.05, .gravity = {}, .mass_damping = 20});
+        World world({.time_step = 0.05, .gravity = {}, .integrator = Integrator::leap_frog, .mass_damping = 20});
         const BodyId body = world.add_body(bar_mesh, bar(lattice));
         const std::size_t fix = world.add_fix(body, {.box = left});
         const double load = 0.02;  // [N]; bends by a thousandth of the length
@@ -100,7 +100,7 @@ TEST(Reaction, of_a_cantilever_is_its_load_and_load_times_arm) {
 }
 
 TEST(Rollers, let_a_body_slide_in_the_directions_they_leave_free) {
-    World world({.gravity = {0, -g, 0}});
+    World world({.gravity = {0, -g, 0}, .integrator = Integrator::leap_frog});
     const BodyId body = world.add_body(bar_mesh, bar());
     const std::size_t fix = world.add_fix(body, {.box = left, .y = false});
     const Vec3 start = center_of_mass(world, body);
@@ -112,7 +112,7 @@ TEST(Rollers, let_a_body_slide_in_the_directions_they_leave_free) {
 }
 
 TEST(Probe, is_the_material_point_it_was_put_on) {
-    World world({.gravity = {}});
+    World world({.gravity = {}, .integrator = Integrator::leap_frog});
     const BodyId body = world.add_body(bar_mesh, small_body({.translation = {1, 2, 3}, .velocity = {1, 2, 3}}));
     const Vec3 point{1.03, 2.01, 2.98}, corner{1.1, 2.025, 3.025};
     const std::size_t inside = world.add_probe(body, point), edge = world.add_probe(body, corner);

@@ -16,7 +16,8 @@ double lowest(const World& world, BodyId body) {
 
 TEST(Resting, box_of_twelve_triangles_lies_flat_on_the_floor_and_hardly_sinks_in) {
     // Inside of its two large triangles a face has points that touch, too: it does not sag between its corners.
-    World world({.time_step = 1.0 / 60, .mass_damping = 40, .stiffness_damping = 5e-4});
+    World world(
+        {.time_step = 1.0 / 60, .integrator = Integrator::leap_frog, .mass_damping = 40, .stiffness_damping = 5e-4});
     BodySettings settings = small_body({.translation = {0, 0.025, 0}});
     settings.material.youngs_modulus = 2e5;  // what it sinks in falls with the square of the stable step
     const BodyId box = world.add_body(make_box({0.2, 0.05, 0.2}), settings);
@@ -33,7 +34,7 @@ TEST(Resting, box_of_twelve_triangles_lies_flat_on_the_floor_and_hardly_sinks_in
 
 TEST(Resting, ball_balances_on_a_sphere_and_on_a_turned_box) {
     const auto settle = [](auto collider) {
-        World world({.time_step = 1.0 / 60, .mass_damping = 20});
+        World world({.time_step = 1.0 / 60, .integrator = Integrator::leap_frog, .mass_damping = 20});
         BodySettings settings = small_body({.translation = {0, 0.11, 0}});
         const BodyId ball = world.add_body(make_sphere(0.1), settings);
         world.add_collider(collider);
@@ -56,7 +57,7 @@ TEST(Resting, ball_balances_on_a_sphere_and_on_a_turned_box) {
 TEST(Resting, ball_without_friction_slides_off_a_tilted_box) {
     // A plate thinner than a spacing would not stop it: contact gives way by a fraction of one, and beyond its middle a
     // box pushes out on the other side.
-    World world({.time_step = 1.0 / 60});
+    World world({.time_step = 1.0 / 60, .integrator = Integrator::leap_frog});
     const BodyId ball = world.add_body(make_sphere(0.1), small_body({.translation = {0, 0.25, 0}}));
     world.add_collider(Box{.size = {2, 0.2, 2}, .rotation = {{0, 0, 1}, -20}, .friction = 0});
     world.advance(0.4);
@@ -65,7 +66,8 @@ TEST(Resting, ball_without_friction_slides_off_a_tilted_box) {
 }
 
 TEST(Energy, balances_to_a_per_cent_with_damping_friction_loads_and_moving_grips) {
-    World world({.time_step = 1.0 / 60, .mass_damping = 0.5, .stiffness_damping = 1e-3});
+    World world(
+        {.time_step = 1.0 / 60, .integrator = Integrator::leap_frog, .mass_damping = 0.5, .stiffness_damping = 1e-3});
     const TriangleMesh cube = make_box({0.1, 0.1, 0.1});
     const BodyId dropped =
         world.add_body(make_sphere(0.1), small_body({.translation = {0, 0.15, 0}, .velocity = {1, 0, 0}}));
@@ -90,7 +92,7 @@ TEST(Energy, balances_to_a_per_cent_with_damping_friction_loads_and_moving_grips
 }
 
 TEST(Energy, stays_balanced_when_gravity_velocity_and_material_change_between_steps) {
-    World world;
+    World world({.integrator = Integrator::leap_frog});
     const BodyId ball = world.add_body(make_sphere(0.1), small_body({.translation = {0, 0.11, 0}}));
     world.add_collider(Plane{});
     const auto run = [&] {

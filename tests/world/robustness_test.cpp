@@ -49,7 +49,7 @@ Outcome endure(World& world, BodyId body, int steps) {
     return outcome;
 }
 TEST(Promise, jelly_thrown_at_a_floor_at_four_times_its_speed_of_sound_survives) {
-    World world;
+    World world({.integrator = Integrator::leap_frog});
     BodySettings settings = small_body({.translation = {0, 0.06, 0}, .velocity = {0, -20, 0}});
     settings.material = {.density = 1000, .youngs_modulus = 2e4, .poissons_ratio = 0.45};
     const BodyId jelly = world.add_body(cube_mesh, settings);
@@ -67,7 +67,7 @@ TEST(Promise, jelly_thrown_at_a_floor_at_four_times_its_speed_of_sound_survives)
 
 TEST(Promise, ordinary_impacts_need_no_second_try) {
     for (double speed : {1., 5., 10.}) {
-        World world;
+        World world({.integrator = Integrator::leap_frog});
         const BodyId body =
             world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -speed, 0}}));
         world.add_collider(Plane{});
@@ -78,7 +78,7 @@ TEST(Promise, ordinary_impacts_need_no_second_try) {
 }
 
 TEST(Promise, a_body_at_a_million_metres_a_second_into_the_floor_ends_with_a_diagnosis) {
-    World world;
+    World world({.integrator = Integrator::leap_frog});
     const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}, .velocity = {0, -1e6, 0}}));
     world.add_collider(Plane{});
     const Outcome outcome = endure(world, body, 3);
@@ -88,7 +88,7 @@ TEST(Promise, a_body_at_a_million_metres_a_second_into_the_floor_ends_with_a_dia
 
 TEST(Promise, a_body_that_begins_inside_of_a_collider_is_pushed_out_and_warned_of) {
     for (double deep : {0.0, -0.2}) {
-        World world;
+        World world({.integrator = Integrator::leap_frog});
         world.add_collider(Plane{});
         const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, deep, 0}}));
         ASSERT_EQ(world.warnings().size(), 1u);
@@ -101,7 +101,7 @@ TEST(Promise, a_body_that_begins_inside_of_a_collider_is_pushed_out_and_warned_o
 TEST(Promise, grips_may_crush_a_body_and_pass_through_each_other) {
     for (Law law : {Law::neo_hookean, Law::corotated, Law::saint_venant_kirchhoff, Law::linear})
         for (double way : {-0.08, -0.099, -0.15}) {
-            World world;
+            World world({.integrator = Integrator::leap_frog});
             BodySettings settings = small_body();
             settings.material.law = law;
             const BodyId body = world.add_body(cube_mesh, settings);
@@ -114,7 +114,7 @@ TEST(Promise, grips_may_crush_a_body_and_pass_through_each_other) {
 TEST(Promise, no_load_makes_a_step_throw_or_leaves_a_nan) {
     for (Law law : {Law::neo_hookean, Law::saint_venant_kirchhoff})
         for (double p : {1e4, 1e9, -1e9, 1e30}) {
-            World world;
+            World world({.integrator = Integrator::leap_frog});
             BodySettings settings = small_body();
             settings.material.law = law;
             const BodyId body = world.add_body(cube_mesh, settings);
@@ -122,7 +122,7 @@ TEST(Promise, no_load_makes_a_step_throw_or_leaves_a_nan) {
             EXPECT_EQ(endure(world, body, 3).status, p == 1e4 ? StepStatus::ok : StepStatus::failed) << p;
         }
     for (double force : {1e2, 1e6, 1e30}) {
-        World world;
+        World world({.integrator = Integrator::leap_frog});
         const BodyId body = world.add_body(cube_mesh, small_body());
         world.add_fix(body, {.box = bottom});
         world.add_load(body, {.box = top, .force = Vec3{0, -force, 0}});
@@ -132,7 +132,7 @@ TEST(Promise, no_load_makes_a_step_throw_or_leaves_a_nan) {
 
 TEST(Promise, no_gravity_makes_a_step_throw_or_leaves_a_nan) {
     for (double pull : {1e3, 1e6, 1e300}) {
-        World world({.gravity = {0, -pull, 0}});
+        World world({.gravity = {0, -pull, 0}, .integrator = Integrator::leap_frog});
         const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}}));
         world.add_collider(Plane{});
         EXPECT_EQ(endure(world, body, 3).status, pull == 1e3 ? StepStatus::ok : StepStatus::failed) << pull;
@@ -141,17 +141,17 @@ TEST(Promise, no_gravity_makes_a_step_throw_or_leaves_a_nan) {
 
 TEST(Promise, time_steps_may_be_tiny_and_long) {
     for (double dt : {1e-300, 1e-12, 1.0}) {
-        World world({.time_step = dt});
+        World world({.time_step = dt, .integrator = Integrator::leap_frog});
         const BodyId body = world.add_body(cube_mesh, small_body({.translation = {0, 0.06, 0}}));
         world.add_collider(Plane{});
         EXPECT_EQ(endure(world, body, 2).status, StepStatus::ok) << dt;
     }
-    World endless({.time_step = 1e9});
+    World endless({.time_step = 1e9, .integrator = Integrator::leap_frog});
     EXPECT_THROW(endless.add_body(cube_mesh, small_body()), Error);
 }
 
 TEST(Promise, after_a_failure_gentler_conditions_let_the_world_go_on) {
-    World world({.gravity = {0, -1e30, 0}});
+    World world({.gravity = {0, -1e30, 0}, .integrator = Integrator::leap_frog});
     const BodyId body = world.add_body(cube_mesh, small_body());
     EXPECT_EQ(world.step().status, StepStatus::failed);
     world.set_gravity({0, -9.81, 0});
