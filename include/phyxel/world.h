@@ -38,7 +38,7 @@ struct WorldSettings {
     Integrator integrator = Integrator::implicit_euler;
     double mass_damping = 0;  ///< Rayleigh alpha [1/s]; raising it slows all motion, falling included
     double stiffness_damping =
-        0;            ///< Rayleigh beta [s], on the rate of strain; raising it quiets vibration, shortens steps
+        0;                    ///< Rayleigh beta [s], on the rate of strain; raising it quiets vibration, shortens steps
     SolverSettings solver{};  ///< of implicit steps and equilibria
     int threads = 0;          ///< 0: all of the machine's; results do not depend on it
     ParallelFor parallel_for{};  ///< the caller's own task system; empty: a pool of `threads`
