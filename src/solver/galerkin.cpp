@@ -121,12 +121,40 @@ BlockStiffness block_stiffness(const Model& m, const Stencils::Block& block, con
 
 }  // namespace
 
-Coarsening coarsen(std::span<const Vec3> places) {
+std::vector<std::uint32_t> separate_parts(const Sampling& sampling) {
+    std::vector<std::uint32_t> part(sampling.cell_centers.size(), no_index), waiting;
+    std::uint32_t count = 0;
+    for (std::uint32_t start = 0; start < part.size(); ++start) {
+        if (part[start] != no_index) continue;
+        part[start] = count;
+        waiting.push_back(start);
+        while (!waiting.empty()) {
+            const std::uint32_t cell = waiting.back();
+            waiting.pop_back();
+            for (std::uint32_t k = sampling.neighbor_offset[cell]; k < sampling.neighbor_offset[cell + 1]; ++k)
+                if (part[sampling.neighbors[k]] == no_index) {
+                    part[sampling.neighbors[k]] = count;
+                    waiting.push_back(sampling.neighbors[k]);
+                }
+        }
+        ++count;
+    }
+    std::vector<std::uint32_t> of_nodes;
+    for (std::uint32_t cell : sampling.node_cell) of_nodes.push_back(part[cell]);
+    return of_nodes;
+}
+
+Coarsening coarsen(std::span<const Vec3> places, std::span<const std::uint32_t> parts) {
     // Weights along each axis: one coarse node where the place falls on it, two elsewhere.
     constexpr double on_it = 1e-6;
-    std::map<std::array<std::int32_t, 3>, std::uint32_t> index;
-    struct Weight {
+    struct Key {
         std::array<std::int32_t, 3> place;
+        std::uint32_t part;
+        auto operator<=>(const Key&) const = default;
+    };
+    std::map<Key, std::uint32_t> index;
+    struct Weight {
+        Key key;
         double value;
     };
     std::vector<std::vector<Weight>> rows(places.size());
@@ -141,19 +169,20 @@ Coarsening coarsen(std::span<const Vec3> places) {
         for (const auto& [x, wx] : along[0])
             for (const auto& [y, wy] : along[1])
                 for (const auto& [z, wz] : along[2]) {
-                    rows[i].push_back({{x, y, z}, wx * wy * wz});
-                    index[{x, y, z}] = 0;
+                    rows[i].push_back({{{x, y, z}, parts[i]}, wx * wy * wz});
+                    index[{{x, y, z}, parts[i]}] = 0;
                 }
     }
     Coarsening coarse;
-    for (auto& [place, number] : index) {
+    for (auto& [key, number] : index) {
         number = static_cast<std::uint32_t>(coarse.places.size());
-        coarse.places.push_back(place);
+        coarse.places.push_back(key.place);
+        coarse.parts.push_back(key.part);
     }
     coarse.prolongation.offset.push_back(0);
     for (const auto& row : rows) {
         for (const Weight& w : row) {
-            coarse.prolongation.column.push_back(index[w.place]);
+            coarse.prolongation.column.push_back(index[w.key]);
             coarse.prolongation.value.push_back(w.value);
         }
         coarse.prolongation.offset.push_back(static_cast<std::uint32_t>(coarse.prolongation.column.size()));

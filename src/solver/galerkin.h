@@ -15,10 +15,15 @@ struct Coarsening {
     SparseRows prolongation;                          ///< [fine nodes]
     SparseRows restriction;                           ///< its transpose, [coarse nodes]
     std::vector<std::array<std::int32_t, 3>> places;  ///< [coarse nodes] integer places, in coarse spacings
+    std::vector<std::uint32_t> parts;                 ///< [coarse nodes]
 };
 
-/// Coarse nodes for fine ones at `places` [fine spacings from some corner].
-Coarsening coarsen(std::span<const Vec3> places);
+/// Coarse nodes for fine ones at `places` [fine spacings from some corner], which belong to `parts` of the body that
+/// touch nowhere: coarse nodes are of one part each, else the coarse lattices would tie the parts together.
+Coarsening coarsen(std::span<const Vec3> places, std::span<const std::uint32_t> parts);
+
+/// [nodes] number of the part that each node belongs to: cells that touch are of one part.
+std::vector<std::uint32_t> separate_parts(const Sampling& sampling);
 
 /// P^T K P of the stiffness at rest, K without the stabilization, which smooth fields hardly feel. `free` [nodes] masks
 /// held components. Assembled from coarse stencils, sum_i P_iI g_qi, not from K. The model shares no dilatations.

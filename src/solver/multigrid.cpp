@@ -92,10 +92,12 @@ RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints,
     fine.patches = PatchRows(constraints, free_);
     levels_.push_back(std::move(fine));
 
+    std::vector<std::uint32_t> parts = separate_parts(model.sampling);
+
     // Coarser levels, until few nodes are left or no more go.
     while (levels_.size() == 1 || levels_.back().nodes > dense_nodes) {
         Level& last = levels_.back();
-        last.coarsening = coarsen(places);
+        last.coarsening = coarsen(places, parts);
         const Coarsening& c = last.coarsening;
         if (levels_.size() > 1 && c.places.size() == last.nodes) break;
         Level next;
@@ -116,6 +118,7 @@ RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints,
         next.stiffness = stiffness.compressed();
         next.mass = galerkin_mass(next.stiffness, galerkin_product(fine_mass, c));
         next.patches = last.patches.coarsened(c);
+        parts = c.parts;
         places.clear();
         for (const auto& place : c.places) places.push_back({double(place[0]), double(place[1]), double(place[2])});
         Vec3 low = places.front();
