@@ -11,7 +11,7 @@ struct Options {
     int threads = 0;       ///< 0: all of the machine's
     bool as_json = false;  ///< one JSON value on standard output instead of a table
     std::string mesh;  ///< set-up: mesh file; empty: the bunny of `scenes/` (a sphere where that is missing), quartered
-    std::size_t nodes = 0;   ///< set-up, cantilever: this number of nodes only; 0: those of their tables
+    std::size_t nodes = 0;   ///< set-up, cantilever, solver: this number of nodes only; 0: those of their tables
     bool large = false;      ///< set-up: 200,000 nodes as well
     bool reference = false;  ///< table 5.1: also time the listing of the thesis, coded literally; cantilever: also
                              ///< finite elements
@@ -29,6 +29,10 @@ int run_setup(const Options& options);
 /// Time of the single-precision forces, energy and stiffness at rest, beside double precision and the core's peak; one
 /// thread unless told otherwise.
 int run_kernel(const Options& options);
+
+/// Iterations and time of the linear systems of implicit steps with multigrid and with block Jacobi; one thread unless
+/// told otherwise.
+int run_solver(const Options& options);
 
 using Clock = std::chrono::steady_clock;
 

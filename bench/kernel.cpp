@@ -1,21 +1,14 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/float_peak.h"
-#include "bench/benches.h"
+#include "bench/beam.h"
 #include "forces/cell_blocks.h"
 #include "forces/internal_forces.h"
-#include "geometry/mesh_check.h"
-#include "phyxel/mesh.h"
 
 namespace phyxel::bench {
 namespace {
-
-/// Spacings [m] of the beam of 0.1 x 0.1 x 1 m: 496, 1,025, 1,836, 4,544, 9,100 and 31,725 nodes.
-constexpr double spacings[] = {0.1 / 3, 0.1 / 4, 0.1 / 5, 0.1 / 7, 0.1 / 9, 0.1 / 14};
-constexpr double seconds_a_measurement = 0.3;
 
 struct KernelRow {
     std::size_t nodes = 0, points = 0, pairs = 0;
@@ -28,37 +21,11 @@ struct KernelRow {
     double nanoseconds_a_point() const { return 1e9 * rest_action / static_cast<double>(points); }
 };
 
-Model beam_model(double spacing, const Threads& threads) {
-    BodySettings settings;
-    settings.spacing = spacing;
-    settings.material = corotated({.density = 1000, .youngs_modulus = 1e6, .poissons_ratio = 0.3});
-    StencilReport report;
-    return build_model(sample(check_and_repair(make_box({0.1, 0.1, 1})), settings, spacing, threads), settings, threads,
-                       report);
-}
-
-/// The beam bent by 1.5 radians and twisted a little.
-std::vector<Vec3> bent(const Model& model) {
-    std::vector<Vec3> x;
-    for (const Vec3& X : model.rest) {
-        const double angle = 1.5 * X.z, radius = 1 / 1.5 + X.x;
-        x.push_back({radius * std::cos(angle), X.y + 0.1 * X.x * X.z, radius * std::sin(angle)});
-    }
-    return x;
-}
-
-/// Shortest time of a call, of as many as fit the time of a measurement.
-template <class Work>
-double shortest_call(Work&& work) {
-    const double once = std::max(1e-6, shortest(3, work));
-    return shortest(std::max(5, static_cast<int>(seconds_a_measurement / once)), work);
-}
-
 KernelRow measure(double spacing, const Threads& threads) {
     const Model model = beam_model(spacing, threads);
     const CellBlocks blocks(model, threads);
     const CellBlocks loose(model, threads, 1e-2);
-    const std::vector<Vec3> x = bent(model);
+    const std::vector<Vec3> x = bent(model, 1.5);
     std::vector<Vec3> f(x.size());
     std::vector<Vec3f> d, out(x.size());
     for (const Vec3& v : x) d.push_back(vector_cast<float>(v));
@@ -135,7 +102,7 @@ int run_kernel(const Options& options) {
     const Threads threads(options.threads > 0 ? options.threads : 1);
     const double peak = peak_flops();
     std::vector<KernelRow> rows;
-    for (const double spacing : spacings) rows.push_back(measure(spacing, threads));
+    for (const double spacing : beam_spacings) rows.push_back(measure(spacing, threads));
     if (options.as_json) print_json(rows, peak, threads.count());
     else print_table(rows, peak, threads.count());
     return 0;

@@ -17,10 +17,12 @@ int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell)
 
 }  // namespace
 
-CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolerance, Instructions instructions)
+CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolerance, Instructions instructions,
+                       CellPoints points)
     : groups_(group_cells(model, tolerance, threads)),
       lanes_(cell_lanes(instructions)),
       kernel_(cell_kernel(instructions)),
+      points_(points),
       length_(model.sampling.spacing) {
     // Groups by block, law and shape.
     std::vector<std::uint32_t> order(groups_.groups.size());
@@ -49,13 +51,13 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolera
     shapes_.resize(groups_.shapes);
     threads.for_each(shapes_.size(), 16, [&](std::size_t s) {
         if (leader[s] == no_index) return;
-        shapes_[s] = pack_shape(model, groups_, groups_.groups[leader[s]]);
+        shapes_[s] = pack_shape(model, groups_, groups_.groups[leader[s]], points_);
     });
 
     blocks_.resize(begin.size() - 1);
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
         const auto members = std::span(order).subspan(begin[b], begin[b + 1] - begin[b]);
-        blocks_[b] = pack_block(model, groups_, shapes_, members, lanes_);
+        blocks_[b] = pack_block(model, groups_, shapes_, members, lanes_, points_);
     });
     for (const CellBlock& block : blocks_) matches_model_ &= block.complete;
     number_slots(model.rest.size());
@@ -142,7 +144,7 @@ void CellBlocks::join_lanes(CellBlock& block, std::size_t chunk) const {
 
 void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group, CellBlock& block, std::size_t chunk,
                              std::size_t lane) const {
-    const bool shared = group.dilatation_cell != no_index;
+    const bool shared = group.dilatation_cell != no_index && points_ == CellPoints::all;
     if (shared) block.chunks[chunk].share = &block.share[chunk * 8 * lanes_];
     for (std::size_t octant = 0; octant < 8; ++octant) {
         const std::uint32_t q = group.point[octant];
@@ -150,9 +152,9 @@ void CellBlocks::fill_moduli(const Model& model, const CellGroups::Group& group,
         const MaterialPoint& point = model.point_material(q);
         const double lambda = shared ? model.dilatation.lambda[group.dilatation_cell] : point.lame.lambda;
         const double V = model.volumes[q] / stiffness_;
-        const std::size_t at = (chunk * 8 + octant) * lanes_;
-        block.lame[2 * at + lane] = static_cast<float>(V * lambda);
-        block.lame[2 * at + lanes_ + lane] = static_cast<float>(V * point.lame.mu);
+        const std::size_t at = (chunk * 8 + (points_ == CellPoints::all ? octant : 0)) * lanes_;
+        block.lame[2 * at + lane] += static_cast<float>(V * lambda);
+        block.lame[2 * at + lanes_ + lane] += static_cast<float>(V * point.lame.mu);
         if (!block.volume_stiffness.empty())
             block.volume_stiffness[at + lane] = static_cast<float>(V * point.volume_stiffness);
         if (shared)
@@ -208,17 +210,18 @@ double CellBlocks::run(std::size_t b, CellTask task) const {
     return kernel_(blocks_[b].chunks, task, &u_[slot_begin_[b]], f, scratch.data());
 }
 
-void CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const {
-    threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
+double CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const {
+    const double energy = threads.sum(blocks_.size(), 1, [&](std::size_t b) {
         const Mat3 R = move_to_slots(m, b, x);
-        run(b, CellTask::forces);
-        if (!blocks_[b].moves) return;
+        const double stored = run(b, CellTask::forces);
+        if (!blocks_[b].moves) return stored;
         Mat3f turn;
         for (std::size_t r = 0; r < 3; ++r) turn.rows[r] = vector_cast<float>(R.rows[r]);
         for (std::uint32_t s = slot_begin_[b]; s < slot_begin_[b + 1]; ++s) {
             const Vec3f v = turn * Vec3f{f_[s].lane[0], f_[s].lane[1], f_[s].lane[2]};
             f_[s] = {{v.x, v.y, v.z, 0}};
         }
+        return stored;
     });
     const double unit = stiffness_ / length_;
     threads.for_each(f.size(), gathered_chunk, [&](std::size_t i) {
@@ -229,6 +232,7 @@ void CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& 
         }
         f[i] = unit * sum;
     });
+    return stiffness_ * energy;
 }
 
 double CellBlocks::energy(const Model& m, std::span<const Vec3> x, const Threads& threads) const {

@@ -27,13 +27,13 @@ public:
     /// derivative of the energy; with 1e-2 nearly all cells of a prism are uniform, which is good enough, and twice to
     /// six times faster, for a preconditioner.
     CellBlocks(const Model& model, const Threads& threads, double tolerance = close_gradients,
-               Instructions instructions = best_instructions());
+               Instructions instructions = best_instructions(), CellPoints points = CellPoints::all);
 
     /// Reads the moduli of the model again; its laws must be those of the construction.
     void set_materials(const Model& model, const Threads& threads);
 
-    /// f = -dU/dx [N], U the elastic energy: without stabilization.
-    void forces(const Model& model, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const;
+    /// f = -dU/dx [N], U the elastic energy, without stabilization; returns U [J].
+    double forces(const Model& model, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const;
 
     /// U [J].
     double energy(const Model& model, std::span<const Vec3> x, const Threads& threads) const;
@@ -66,6 +66,7 @@ private:
     CellGroups groups_;
     std::size_t lanes_;
     CellKernel kernel_;
+    CellPoints points_;
     double length_ = 1, stiffness_ = 1;  ///< units of the lanes: spacing [m], largest V times modulus [J]
     std::vector<CellShape> shapes_;      ///< [shapes] empty where no chunk is uniform
     std::vector<CellBlock> blocks_;

@@ -301,6 +301,19 @@ void CellGroups::spread_gradients(const Model& m, const Group& group, std::size_
     }
 }
 
+void CellGroups::spread_mean_gradients(const Model& m, const Group& group, std::span<Vec3> gradients) const {
+    std::vector<Vec3> sum(gradients.size());
+    double volume = 0;
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+        if (group.point[octant] == no_index) continue;
+        const double V = m.volumes[group.point[octant]];
+        spread_gradients(m, group, octant, gradients);
+        for (std::size_t e = 0; e < sum.size(); ++e) sum[e] += V * gradients[e];
+        volume += V;
+    }
+    for (std::size_t e = 0; e < sum.size(); ++e) gradients[e] = volume > 0 ? sum[e] / volume : Vec3{};
+}
+
 CellGroups group_cells(const Model& model, double tolerance, const Threads& threads) {
     return Builder(model, tolerance, threads).run();
 }

@@ -44,6 +44,8 @@ struct CellGroups {
     /// Writes g a of one point of a group over the group's window, zero where the point does not see the node; a is
     /// the node spacing.
     void spread_gradients(const Model& model, const Group& group, std::size_t octant, std::span<Vec3> gradients) const;
+    /// The mean over the group's points, each weighted by its volume.
+    void spread_mean_gradients(const Model& model, const Group& group, std::span<Vec3> gradients) const;
 };
 
 /// Gradients times the spacing (they go up to 0.6) that differ by less count as equal: forces then err by less than

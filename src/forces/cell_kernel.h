@@ -26,13 +26,13 @@ struct CellChunk {
 };
 
 enum class CellTask {
-    forces,       ///< adds those of the chunks' points to the slots
-    energy,       ///< no more than the energy
+    forces,       ///< adds those of the chunks' points to the slots, and finds the energy
+    energy,       ///< the energy alone
     rest_action,  ///< adds the stiffness at rest times the displacements, whatever the law: Hooke's
 };
 
-/// Does `task` for the chunks of a block at the displacements `u` of its slots, in spacings; returns the energy if that
-/// is the task. `scratch`: twice [largest number of entries][3][lanes].
+/// Does `task` for the chunks of a block at the displacements `u` of its slots, in spacings; returns the energy if
+/// that is asked for. `scratch`: twice [largest number of entries][3][lanes].
 using CellKernel = double (*)(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f,
                               float* scratch);
 

@@ -357,30 +357,40 @@ struct CellKernelBody {
             if (has_point(chunk, point)) done(point, state[point], mean);
     }
 
-    /// A = sign V P.
+    PHYXEL_INLINE double sum_of(const Float& v) {
+        double sum = 0;
+        for (std::size_t l = 0; l < lanes; ++l) sum += static_cast<double>(v[l]);
+        return sum;
+    }
+
+    /// A = sign V P; returns the energy.
     template <class Law>
-    static void stresses(const CellChunk& chunk, const Matrix* H, float sign, Matrix* A) {
+    static double stresses(const CellChunk& chunk, const Matrix* H, float sign, Matrix* A) {
+        Float energy{};
         for_points<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
             const Moduli m = moduli_of(chunk, point);
-            Law::stress(H[point], state, m.lambda * theta, m, A[point]);
+            const Float pressure = m.lambda * theta;
+            energy += Law::energy(H[point], state, m) + 0.5f * pressure * theta;
+            Law::stress(H[point], state, pressure, m, A[point]);
             for (int k = 0; k < 9; ++k) A[point].m[k] *= sign;
         });
+        return sum_of(energy);
     }
 
     template <class Law>
     static double energies(const CellChunk& chunk, const Matrix* H) {
-        double sum = 0;
+        Float energy{};
         for_points<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
             const Moduli m = moduli_of(chunk, point);
-            const Float energy = Law::energy(H[point], state, m) + 0.5f * m.lambda * theta * theta;
-            for (std::size_t l = 0; l < lanes; ++l) sum += static_cast<double>(energy[l]);
+            energy += Law::energy(H[point], state, m) + 0.5f * m.lambda * theta * theta;
         });
-        return sum;
+        return sum_of(energy);
     }
 
     template <bool uniform>
     static double run_chunk(const CellChunk& chunk, CellTask task, const Float4* u, Float4* f, float* scratch) {
         Matrix H[8], A[8];
+        double energy = 0;
         gather_window(chunk, u, scratch);
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point))
@@ -405,16 +415,16 @@ struct CellKernelBody {
             case CellTask::forces:
                 switch (chunk.law) {
                     case Law::linear:
-                        stresses<LinearLaw>(chunk, H, -1, A);
+                        energy = stresses<LinearLaw>(chunk, H, -1, A);
                         break;
                     case Law::saint_venant_kirchhoff:
-                        stresses<SaintVenantKirchhoffLaw>(chunk, H, -1, A);
+                        energy = stresses<SaintVenantKirchhoffLaw>(chunk, H, -1, A);
                         break;
                     case Law::corotated:
-                        stresses<CorotatedLaw>(chunk, H, -1, A);
+                        energy = stresses<CorotatedLaw>(chunk, H, -1, A);
                         break;
                     case Law::neo_hookean:
-                        stresses<NeoHookeanLaw>(chunk, H, -1, A);
+                        energy = stresses<NeoHookeanLaw>(chunk, H, -1, A);
                         break;
                 }
         }
@@ -424,7 +434,7 @@ struct CellKernelBody {
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point)) scatter_stress<uniform>(pairs_of<uniform>(chunk, point), A[point], force);
         scatter_window(chunk, force, f);
-        return 0;
+        return energy;
     }
 
     static double run(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {

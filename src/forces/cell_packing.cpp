@@ -23,12 +23,33 @@ void add_pairs(const std::vector<Vec3f>& dense, std::size_t entries, std::size_t
     pair_begin[8] = static_cast<std::uint32_t>(entry.size() - first_pair);
 }
 
+/// Calls `done(point)` with the gradients of each point of a group in `spread`.
+template <class Done>
+void for_points(const Model& model, const CellGroups& groups, const CellGroups::Group& group, CellPoints points,
+                std::span<Vec3> spread, Done&& done) {
+    if (points == CellPoints::mean) {
+        groups.spread_mean_gradients(model, group, spread);
+        return done(0);
+    }
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+        if (group.point[octant] == no_index) continue;
+        groups.spread_gradients(model, group, octant, spread);
+        done(octant);
+    }
+}
+
 /// Deals the groups of one block to lanes and lays out what the kernel reads.
 class BlockPacker {
 public:
     BlockPacker(const Model& model, const CellGroups& groups, std::span<const CellShape> shapes,
-                std::span<const std::uint32_t> members, std::size_t lanes, CellBlock& block)
-        : m_(model), groups_(groups), shapes_(shapes), members_(members), lanes_(lanes), block_(block) {}
+                std::span<const std::uint32_t> members, std::size_t lanes, CellPoints points, CellBlock& block)
+        : m_(model),
+          groups_(groups),
+          shapes_(shapes),
+          members_(members),
+          lanes_(lanes),
+          points_(points),
+          block_(block) {}
 
     void run() {
         deal();
@@ -163,12 +184,10 @@ private:
     void add_gradients(std::uint32_t g, const std::vector<std::uint32_t>& entry_of, std::size_t entries,
                        std::size_t lane, std::vector<Vec3f>& dense) const {
         std::vector<Vec3> spread(entry_of.size());
-        for (std::size_t octant = 0; octant < 8; ++octant) {
-            if (group(g).point[octant] == no_index) continue;
-            groups_.spread_gradients(m_, group(g), octant, spread);
+        for_points(m_, groups_, group(g), points_, spread, [&](std::size_t point) {
             for (std::size_t e = 0; e < spread.size(); ++e)
-                dense[(octant * entries + entry_of[e]) * lanes_ + lane] = vector_cast<float>(spread[e]);
-        }
+                dense[(point * entries + entry_of[e]) * lanes_ + lane] = vector_cast<float>(spread[e]);
+        });
     }
 
     const Model& m_;
@@ -176,30 +195,29 @@ private:
     std::span<const CellShape> shapes_;
     std::span<const std::uint32_t> members_;
     std::size_t lanes_;
+    CellPoints points_;
     CellBlock& block_;
     std::vector<Lanes> chunks_;
 };
 
 }  // namespace
 
-CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group) {
+CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group, CellPoints points) {
     CellShape shape;
     const std::size_t entries = groups.window_size(group);
     std::vector<Vec3f> dense(8 * entries);
     std::vector<Vec3> spread(entries);
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-        if (group.point[octant] == no_index) continue;
-        groups.spread_gradients(model, group, octant, spread);
-        for (std::size_t e = 0; e < entries; ++e) dense[octant * entries + e] = vector_cast<float>(spread[e]);
-    }
+    for_points(model, groups, group, points, spread, [&](std::size_t point) {
+        for (std::size_t e = 0; e < entries; ++e) dense[point * entries + e] = vector_cast<float>(spread[e]);
+    });
     add_pairs(dense, entries, 1, shape.entry, shape.gradient, shape.pair_begin, 0);
     return shape;
 }
 
 CellBlock pack_block(const Model& model, const CellGroups& groups, std::span<const CellShape> shapes,
-                     std::span<const std::uint32_t> members, std::size_t lanes) {
+                     std::span<const std::uint32_t> members, std::size_t lanes, CellPoints points) {
     CellBlock block;
-    BlockPacker(model, groups, shapes, members, lanes, block).run();
+    BlockPacker(model, groups, shapes, members, lanes, points, block).run();
     return block;
 }
 

@@ -8,6 +8,11 @@
 
 namespace phyxel {
 
+enum class CellPoints {
+    all,   ///< every quadrature point of a group
+    mean,  ///< one for all of them, with their mean gradients: an eighth of the work
+};
+
 /// Gradients that the uniform chunks of one shape share.
 struct CellShape {
     std::array<std::uint32_t, 9> pair_begin{};
@@ -32,11 +37,11 @@ struct CellBlock {
     bool complete = true;  ///< no dilatation cell is cut
 };
 
-CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group);
+CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group, CellPoints points);
 
 /// Packs the groups `members`, those of one kind and shape after each other, into chunks of so many lanes; moduli are
 /// filled in later.
 CellBlock pack_block(const Model& model, const CellGroups& groups, std::span<const CellShape> shapes,
-                     std::span<const std::uint32_t> members, std::size_t lanes);
+                     std::span<const std::uint32_t> members, std::size_t lanes, CellPoints points);
 
 }  // namespace phyxel

@@ -42,14 +42,10 @@ FastForces* DynamicBody::prepare_fast_forces(const Threads& threads) {
 
 WarpedPreconditioner& DynamicBody::prepare_preconditioner(double stiffness, double inertia, const Threads& threads) {
     if (!preconditioner && !model.dilatation.empty()) {
-        softened = std::make_unique<PreconditionerModel>(PreconditionerModel{soften(model), nullptr});
-        softened->fast_forces = make_fast_forces(softened->model, threads);
-        preconditioner =
-            std::make_unique<WarpedPreconditioner>(softened->model, constraints, softened->fast_forces.get(), threads);
+        softened = std::make_unique<Model>(soften(model));
+        preconditioner = std::make_unique<WarpedPreconditioner>(*softened, constraints, threads);
     }
-    if (!preconditioner)
-        preconditioner =
-            std::make_unique<WarpedPreconditioner>(model, constraints, prepare_fast_forces(threads), threads);
+    if (!preconditioner) preconditioner = std::make_unique<WarpedPreconditioner>(model, constraints, threads);
     preconditioner->set_weights(stiffness, inertia, threads);
     return *preconditioner;
 }

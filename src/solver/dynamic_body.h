@@ -33,13 +33,7 @@ struct Exchanged {
 struct History {
     std::vector<Vec3> x, v;  ///< [nodes]
     double dt = 0;           ///< [s] length of the last step; 0: there was none
-};
-
-/// What the preconditioner of a nearly incompressible body works with: the same body, more compressible. Coarse
-/// lattices have no fields that keep the volume of every cell and would lock.
-struct PreconditionerModel {
-    Model model;
-    std::unique_ptr<FastForces> fast_forces;
+    double trend = 0;        ///< share of the last change of velocity that the next step starts from
 };
 
 /// A body in motion: what it is, where it is, and what acts on it.
@@ -68,7 +62,9 @@ struct DynamicBody {
     std::size_t body_touches = 0;               ///< how many there are
     std::optional<double> step_energy;          ///< [J] kinetic and stored, after an implicit step
     std::unique_ptr<FastForces> fast_forces;
-    std::unique_ptr<PreconditionerModel> softened;
+    /// What the preconditioner of a nearly incompressible body works with: the same body, more compressible. Coarse
+    /// lattices have no fields that keep the volume of every cell and would lock.
+    std::unique_ptr<Model> softened;
     std::unique_ptr<WarpedPreconditioner> preconditioner;  ///< made when first needed, for its material and fixes
 
     /// Single-precision forces, made when first needed; null when the model's quadrature has none.

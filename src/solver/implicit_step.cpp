@@ -35,13 +35,40 @@ std::vector<Vec3> past(const Difference& d, std::span<const Vec3> now, std::span
     return result;
 }
 
-/// Kinetic and stored energy [J], in the precision of the step's forces: rounding does not add up over steps.
-double step_energy(DynamicBody& b, const Surroundings& around, const Threads& threads) {
-    double energy = kinetic_energy(b, threads) + b.penalty_energy + b.body_contact_energy;
-    if (b.contact) energy += b.contact->energy(around.colliders, b.state.x, threads);
-    if (b.fast_forces) return energy + b.fast_forces->energy(b.model, b.state.x, threads);
-    return energy + elastic_energy(b.model, b.state.x, b.work, threads) +
+/// Elastic and stabilization energy [J], in the precision of the step's forces: rounding does not add up over steps.
+double stored_energy(DynamicBody& b, const Threads& threads) {
+    if (b.fast_forces) return b.fast_forces->energy(b.model, b.state.x, threads);
+    return elastic_energy(b.model, b.state.x, b.work, threads) +
            stabilization_energy(b.model, b.state.x, b.work, threads);
+}
+
+/// Kinetic and all stored energy [J].
+double step_energy(const DynamicBody& b, double stored, const Surroundings& around, const Threads& threads) {
+    const double contact = b.contact ? b.contact->energy(around.colliders, b.state.x, threads) : 0;
+    return kinetic_energy(b, threads) + b.penalty_energy + b.body_contact_energy + contact + stored;
+}
+
+/// How much of a body's last change of velocity is likely to come again: three fifths of its correlation with the one
+/// before, none where they differ, as around rest.
+double trend(const DynamicBody& b, std::span<const Vec3> v, double dt, const Threads& threads) {
+    constexpr double share = 0.6;
+    const History& last = b.history;
+    if (!(last.dt > 0)) return 0;
+    const auto product = [&](auto&& first, auto&& second) {
+        return threads.sum(v.size(), node_chunk,
+                           [&](std::size_t i) { return b.model.mass[i] * dot(first(i), second(i)); });
+    };
+    const auto now = [&](std::size_t i) { return (v[i] - b.state.v[i]) / dt; };
+    const auto before = [&](std::size_t i) { return (b.state.v[i] - last.v[i]) / last.dt; };
+    const double size = product(before, before);
+    return size > 0 ? std::clamp(share * product(now, before) / size, 0.0, 1.0) : 0;
+}
+
+/// Where a node would be after dt.
+Vec3 predicted(const DynamicBody& b, std::size_t i, double dt) {
+    const Vec3 straight = b.state.x[i] + dt * b.state.v[i];
+    if (b.history.trend == 0) return straight;
+    return straight + b.history.trend * dt * dt / b.history.dt * (b.state.v[i] - b.history.v[i]);
 }
 
 /// One body's part of a step: what is minimized, where from, and what is booked in the end.
@@ -57,8 +84,8 @@ public:
 
     /// Takes the end of the step, and books what it did: the work of its forces, and what it lost by itself, which is
     /// the work of inertia and of stored energy at the end of the step less what they hold now. Needs the body's
-    /// `step_energy` of before.
-    void finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces);
+    /// `step_energy` of before. `moves`: the first guess was not good enough.
+    void finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces, bool moves);
 
 private:
     DynamicBody& b_;
@@ -103,7 +130,7 @@ BodyStep::BodyStep(DynamicBody& b, const Surroundings& around, ImplicitScheme sc
     way = std::max(free_way, least_way * m.node_length * std::sqrt(m.total_mass)) * std::sqrt(potential.inertia);
 }
 
-void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces) {
+void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Forces& forces, bool moves) {
     const Model& m = b_.model;
     const std::size_t n = m.rest.size();
     const double before = *b_.step_energy;
@@ -124,10 +151,12 @@ void BodyStep::finish(std::span<const Vec3> x, const IncrementalPotential::Force
         work_of([&](std::size_t i) { return inertial[i] - forces.conservative[i]; }) + grips.patches;
 
     if (b_.contact) b_.sticks = b_.contact->sticks(b_.rubs, x);
-    b_.history = {std::move(b_.state.x), std::move(b_.state.v), dt_};
+    // Where one correction is enough, more momentum would only keep it swinging within the tolerance.
+    const double next = moves ? trend(b_, v, dt_, threads_) : 0;
+    b_.history = {std::move(b_.state.x), std::move(b_.state.v), dt_, next};
     b_.state = {std::vector<Vec3>(x.begin(), x.end()), std::move(v)};
     b_.penalty_energy = b_.constraints.penalty_energy(start_ + dt_, b_.state.x);
-    b_.step_energy = step_energy(b_, around_, threads_);
+    b_.step_energy = step_energy(b_, forces.stored, around_, threads_);
     b_.exchanged.numerical -= *b_.step_energy - before;
 }
 
@@ -193,7 +222,7 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
             sides.push_back({&*b.contact, number, begin.size(), b.state.x.size(), b.friction, b.model.sampling.spacing,
                              b.body_sticks, b.apart});
         begin.insert(begin.end(), b.state.x.begin(), b.state.x.end());
-        for (std::size_t i = 0; i < b.state.x.size(); ++i) x.push_back(b.state.x[i] + dt * b.state.v[i]);
+        for (std::size_t i = 0; i < b.state.x.size(); ++i) x.push_back(predicted(b, i, dt));
         way = std::hypot(way, steps.back()->way);
         rubs = rubs || (b.contact && !around.colliders.empty());
     }
@@ -229,9 +258,9 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
         }
         b.body_sticks = contact.sticks(p, x);
         b.body_touches = contact.touching(p, x);
-        if (!b.step_energy) b.step_energy = step_energy(b, around, threads);
+        if (!b.step_energy) b.step_energy = step_energy(b, stored_energy(b, threads), around, threads);
         b.body_contact_energy = contact.energy(p, x);
-        steps[p]->finish(bodies.of(p, x), forces);
+        steps[p]->finish(bodies.of(p, x), forces, report.newton_iterations > 1);
     }
     return report;
 }

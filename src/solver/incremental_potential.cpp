@@ -76,8 +76,12 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
     Forces f;
     for (auto* part : {&f.conservative, &f.viscous, &f.friction, &f.loads, &f.sum}) part->assign(n, {});
     find_velocity(x);
-    if (fast_) fast_->forces(m, x, threads, f.conservative);
-    else internal_forces(m, x, {}, 0, body.work, threads, f.conservative);
+    if (fast_) {
+        f.stored = fast_->forces(m, x, threads, f.conservative);
+    } else {
+        internal_forces(m, x, {}, 0, body.work, threads, f.conservative);
+        f.stored = elastic_energy(m, x, body.work, threads) + stabilization_energy(m, x, body.work, threads);
+    }
     if (stiffness_damping() > 0) {
         internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, f.viscous);
         add_scaled(f.viscous, -1.0, f.conservative, threads);

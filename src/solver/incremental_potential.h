@@ -46,6 +46,7 @@ public:
         std::vector<Vec3> conservative;  ///< elastic, stabilization, contact, penalties
         std::vector<Vec3> viscous, friction, loads;
         std::vector<Vec3> sum;  ///< all of these, gravity and inertia: what held components must balance
+        double stored = 0;      ///< elastic and stabilization energy [J], in the precision of the forces
     };
     Forces forces(std::span<const Vec3> x);
 

@@ -80,9 +80,9 @@ struct RestMultigrid::CoarseFactor {
 RestMultigrid::~RestMultigrid() = default;
 RestMultigrid::RestMultigrid(RestMultigrid&&) noexcept = default;
 
-RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, FastForces* fast,
-                             const Threads& threads)
-    : model_(model), fast_(fast), free_(constraints.free_components(model.rest.size())) {
+RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads)
+    : model_(model), free_(constraints.free_components(model.rest.size())) {
+    if (RestStiffness::applies_to(model)) fast_ = std::make_unique<RestStiffness>(model, threads);
     degree_ = smoothing_degree(model.rest.size());
     diagonal_ = stiffness_diagonal(model, threads);
     std::vector<Vec3> places = places_of_nodes(model);
@@ -246,7 +246,7 @@ void RestMultigrid::multiply(std::size_t l, const std::vector<Vec3f>& d, std::ve
     Level& level = levels_[l];
     if (l == 0) {
         if (fast_) {
-            fast_->rest_action(model_, d, threads, out);
+            fast_->apply(model_, d, threads, out);
         } else {
             wide_d_.resize(d.size());
             wide_out_.resize(d.size());

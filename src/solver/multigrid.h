@@ -3,8 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "forces/fast_forces.h"
+#include "forces/constraints.h"
 #include "forces/internal_forces.h"
+#include "forces/rest_stiffness.h"
 #include "solver/patch_rows.h"
 
 namespace phyxel {
@@ -17,8 +18,7 @@ namespace phyxel {
 /// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedPreconditioner`).
 class RestMultigrid {
 public:
-    /// `fast`: null where the model has no forces in single precision.
-    RestMultigrid(const Model& model, const Constraints& constraints, FastForces* fast, const Threads& threads);
+    RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads);
     ~RestMultigrid();
     RestMultigrid(RestMultigrid&&) noexcept;
 
@@ -47,14 +47,14 @@ private:
     double largest_eigenvalue(std::size_t level, const Threads& threads);
 
     const Model& model_;
-    FastForces* fast_;
+    std::unique_ptr<RestStiffness> fast_;  ///< null: in double
     std::vector<Vec3> free_;
     std::vector<Mat3> diagonal_;  ///< [nodes] of K(rest)
     std::vector<Level> levels_;   ///< [0] the nodes themselves
     std::unique_ptr<CoarseFactor> factor_;
     double stiffness_ = 0, inertia_ = -1;
     int degree_ = 1;
-    ForceWorkspace work_;  ///< where there are no fast forces
+    ForceWorkspace work_;  ///< where the stiffness is in double
     std::vector<Vec3> wide_d_, wide_out_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "solver/multigrid.h"
+#include "solver/nodal_rotations.h"
 
 namespace phyxel {
 
@@ -8,22 +9,20 @@ namespace phyxel {
 /// of the current state and needs no matrix of it; unturned it would be useless once a body has bent.
 class WarpedPreconditioner {
 public:
-    WarpedPreconditioner(const Model& model, const Constraints& constraints, FastForces* fast, const Threads& threads);
+    WarpedPreconditioner(const Model& model, const Constraints& constraints, const Threads& threads);
 
     void set_weights(double stiffness, double inertia, const Threads& threads);
     /// Adds stiffness of the nodes' own, of contact say, until the next call: `blocks` [nodes], empty for none, in the
     /// frame of the world; after `turn`.
     void set_supports(std::vector<Mat3> blocks, const Threads& threads);
-    /// Finds the rotations of the nodes at positions x: of the mean deformation gradient of a node's own cells, none
-    /// where that is nearly flat or inverted, or where a component of the node is held.
+    /// Finds the rotations of the nodes at positions x; none where a component of the node is held.
     void turn(std::span<const Vec3> x, const Threads& threads);
     void apply(const std::vector<Vec3>& r, std::vector<Vec3>& z, const Threads& threads);
 
 private:
-    const Model& model_;
     RestMultigrid multigrid_;
-    std::vector<std::uint32_t> offset_, point_;  ///< [nodes + 1] quadrature points of each node's cells
-    std::vector<Mat3> rotation_;                 ///< [nodes]
+    NodalRotations rotations_;
+    std::vector<Mat3> rotation_;  ///< [nodes]
 };
 
 }  // namespace phyxel

@@ -69,6 +69,7 @@ void World::save_checkpoint(const std::filesystem::path& path) const {
         file.add_values(section(i, "body_sticks"), std::span<const BodyStick>(body.body_sticks));
         file.add_value(section(i, "body_contact_energy"), body.body_contact_energy);
         file.add_value(section(i, "history.dt"), body.history.dt);
+        file.add_value(section(i, "history.trend"), body.history.trend);
         file.add_values(section(i, "history.x"), std::span<const Vec3>(body.history.x));
         file.add_values(section(i, "history.v"), std::span<const Vec3>(body.history.v));
         file.add_value(section(i, "energy_at_start"), p.infos[i].energy_at_start);
@@ -106,7 +107,8 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         const double last_step = file.value<double>(section(i, "history.dt"));
         const std::size_t kept = last_step > 0 ? n : 0;
         histories.push_back({file.values<Vec3>(section(i, "history.x"), kept),
-                             file.values<Vec3>(section(i, "history.v"), kept), last_step});
+                             file.values<Vec3>(section(i, "history.v"), kept), last_step,
+                             file.value<double>(section(i, "history.trend"))});
         (void)file.value<Exchanged>(section(i, "exchanged"));
     }
     p.time = file.value<double>("time");
