@@ -57,7 +57,9 @@ TEST(MeetingBodies, rest_on_each_other_with_the_weight_of_what_lies_above) {
     world.add_collider(Plane{});
     const std::size_t top = world.add_probe(base, {0, 0.1, 0}), bottom = world.add_probe(load, {0, 0.105, 0});
     run(world, 120);
-    EXPECT_LT(world.energy().kinetic, 1e-8);
+    // As quiet as steps are that are solved to a share of the way of a free one.
+    const double slowest = default_step_tolerance * g / 60;
+    EXPECT_LT(world.energy().kinetic, 0.5 * 2 * world.report(base).mass * slowest * slowest);
     const double gap = world.probe(bottom).position.y - world.probe(top).position.y;
     EXPECT_LT(std::abs(gap), 0.02 * 0.025);
     // The base is shorter by the load above it and by half of its own weight.
