@@ -19,6 +19,7 @@ PUBLIC = {
     "mesh": "geometry",
     "material": "geometry",
     "body": "geometry",
+    "solver": "model",
     "world": "surface",
     "phyxel": "world",
 }

@@ -13,7 +13,8 @@ namespace phyxel {
 /// Held components of x do not vary. Damping and pressure loads are no potentials; their forces count in the gradient.
 class IncrementalPotential {
 public:
-    IncrementalPotential(DynamicBody& body, const Surroundings& around, SolverPrecision precision, const Threads& threads);
+    IncrementalPotential(DynamicBody& body, const Surroundings& around, SolverPrecision precision,
+                         const Threads& threads);
 
     /// Inertia: c = a0 (a0/dt + alpha)/dt for velocities v = (a0 x - past)/dt (solver/implicit_step.cpp).
     double inertia = 0;                 ///< c [1/s^2]; 0 in statics
