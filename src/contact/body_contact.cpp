@@ -93,6 +93,7 @@ void BodyContact::find_between(std::uint32_t s, std::uint32_t o, double motion,
         if (foot.triangle == no_triangle) return;
         foot.triangle = name[foot.triangle];
         const Vec3 outward = other.surface->surface().outward(places[o], foot), way = place - foot.point.position;
+        if (outward == Vec3{}) return;  // all its triangles are flat
         const bool within = dot(way, outward) < 0;
         if (!within && foot.distance > outside) return;
         // At the surface itself the way there has no direction.

@@ -67,7 +67,6 @@ std::vector<Constraints::Patch> Constraints::patches() const {
 
 Constraints::GripWork Constraints::measure(double start, double end, std::span<const Vec3> x,
                                            std::span<const Vec3> sum) {
-    start_measuring();
     GripWork work;
     const double seconds = end - start;
     // A component that several fixes hold is pushed by the first of them.

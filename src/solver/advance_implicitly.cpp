@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include "base/format.h"
 #include "solver/implicit_step.h"
@@ -20,13 +21,14 @@ struct Before {
     std::vector<ContactSamples::Stick> sticks;
     std::vector<BodyStick> body_sticks;
     double penalty_energy, body_contact_energy, carried_load;
+    std::optional<double> step_energy;
 };
 
 void restore(Bodies bodies, const std::vector<Before>& before) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         bodies[i]->state = before[i].state;
         bodies[i]->history = before[i].history;
-        bodies[i]->step_energy.reset();
+        bodies[i]->step_energy = before[i].step_energy;
         bodies[i]->exchanged = before[i].exchanged;
         bodies[i]->sticks = before[i].sticks;
         bodies[i]->body_sticks = before[i].body_sticks;
@@ -51,8 +53,9 @@ bool all_finite(const State& state) {
 }
 
 /// What is solved together.
-std::vector<std::vector<std::uint32_t>> groups(Bodies bodies, Integrator integrator, double dt) {
-    if (integrator != Integrator::statics) return groups_that_may_touch(bodies, dt);
+std::vector<std::vector<std::uint32_t>> groups(Bodies bodies, const Surroundings& around, Integrator integrator,
+                                               double end, double dt) {
+    if (integrator != Integrator::statics) return groups_that_may_touch(bodies, around, end, dt);
     std::vector<std::vector<std::uint32_t>> alone;
     for (std::uint32_t i = 0; i < bodies.size(); ++i) alone.push_back({i});
     return alone;
@@ -72,7 +75,7 @@ std::string try_steps(Bodies bodies, const Surroundings& around, Integrator inte
     const double dt = duration / parts;
     report.substep = dt;
     for (int k = 0; k < parts; ++k) {
-        for (const std::vector<std::uint32_t>& group : groups(bodies, integrator, dt)) {
+        for (const std::vector<std::uint32_t>& group : groups(bodies, around, integrator, time + (k + 1) * dt, dt)) {
             const SolveReport solve =
                 integrator == Integrator::statics
                     ? find_equilibrium(*bodies[group.front()], around, time, time + duration, threads)
@@ -95,10 +98,11 @@ StepReport advance_implicitly(Bodies bodies, const Surroundings& around, Integra
     std::vector<Before> before;
     for (const auto& b : bodies)
         before.push_back({b->state, b->history, b->exchanged, b->sticks, b->body_sticks, b->penalty_energy,
-                          b->body_contact_energy, b->carried_load});
+                          b->body_contact_energy, b->carried_load, b->step_energy});
     const bool is_static = integrator == Integrator::statics;
     std::string trouble;
     for (int parts = 1; parts <= (is_static ? 1 : most_parts); parts *= 2) {
+        for (const auto& b : bodies) b->constraints.start_measuring();
         report.substeps = 0;
         trouble = try_steps(bodies, around, integrator, time, duration, parts, threads, report);
         if (trouble.empty()) {

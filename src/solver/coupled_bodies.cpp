@@ -1,5 +1,8 @@
 #include "solver/coupled_bodies.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "solver/nodal_vectors.h"
 
 namespace phyxel {
@@ -71,6 +74,20 @@ void CoupledBodies::find_rigid_modes(const std::vector<Vec3>& x) {
             parts_[p].potential->add_contact_action(of(p, x), of(p, d), of(p, out));
         if (contact_) contact_->add_action(x, d, out);
     });
+}
+
+double CoupledBodies::distance(const std::vector<Vec3>& g, const std::vector<Vec3>& z) const {
+    double furthest = 0;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const std::span<const Vec3> own_g = of(p, g), own_z = of(p, z);
+        const double product =
+            threads.sum(own_g.size(), node_chunk, [&](std::size_t i) { return dot(own_g[i], own_z[i]); });
+        // With contact between them only the sum over all bodies is sure to be positive.
+        const double own = std::sqrt(parts_.size() > 1 ? std::abs(product) : product) / parts_[p].way;
+        if (!(own <= furthest)) furthest = own;
+        if (!std::isfinite(furthest)) return furthest;
+    }
+    return furthest;
 }
 
 void CoupledBodies::precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z) {

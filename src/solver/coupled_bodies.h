@@ -14,6 +14,7 @@ public:
     struct Part {
         IncrementalPotential* potential;
         WarpedPreconditioner* preconditioner;
+        double way = 1;  ///< what distances to the solution are measured by
     };
 
     /// `contact` may be null.
@@ -41,6 +42,10 @@ public:
     bool support(const std::vector<Vec3>& x);
     /// z = V r, body by body, and together for the rigid motions of those that touch something.
     void precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z);
+
+    /// Distance to the solution over the way, of the body that is furthest: sqrt(g . z) with z = V g. NaN for a product
+    /// that is none or negative.
+    double distance(const std::vector<Vec3>& g, const std::vector<Vec3>& z) const;
 
     const Threads& threads;
 

@@ -212,19 +212,15 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
     std::vector<CoupledBodies::Part> parts;
     std::vector<BodyContact::Side> sides;
     std::vector<Vec3> begin, x;
-    double way = 0;
-    bool rubs = false;
     for (std::uint32_t number : members) {
         DynamicBody& b = *all[number];
         steps.push_back(std::make_unique<BodyStep>(b, around, scheme, start, dt, threads));
-        parts.push_back({&steps.back()->potential, steps.back()->preconditioner});
+        parts.push_back({&steps.back()->potential, steps.back()->preconditioner, steps.back()->way});
         if (members.size() > 1)
             sides.push_back({&*b.contact, number, begin.size(), b.state.x.size(), b.friction, b.model.sampling.spacing,
                              b.body_sticks, b.apart});
         begin.insert(begin.end(), b.state.x.begin(), b.state.x.end());
         for (std::size_t i = 0; i < b.state.x.size(); ++i) x.push_back(predicted(b, i, dt));
-        way = std::hypot(way, steps.back()->way);
-        rubs = rubs || (b.contact && !around.colliders.empty());
     }
     BodyContact contact(std::move(sides));
     CoupledBodies bodies(std::move(parts), members.size() > 1 ? &contact : nullptr, threads);
@@ -234,13 +230,16 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
     const double tolerance = around.solver.tolerance > 0 ? around.solver.tolerance : default_step_tolerance;
     const bool single = around.solver.method == SolverMethod::single_newton;
     SolveReport report;
+    bool touch = false;
     for (int pass = 0; pass < friction_passes && !(single && pass > 0); ++pass) {
         for (std::size_t p = 0; p < steps.size(); ++p) steps[p]->potential.lag_friction(bodies.of(p, x));
         if (members.size() > 1) contact.find(x, begin, 2 * furthest(begin, x), threads);
-        const auto rests = [](const auto& step) { return step->potential.body.rubs.empty(); };
-        if (pass > 0 && contact.empty() && (!rubs || std::all_of(steps.begin(), steps.end(), rests))) break;
+        const auto rubs = [](const auto& step) { return !step->potential.body.rubs.empty(); };
+        const bool touched = touch;
+        touch = !contact.empty() || std::any_of(steps.begin(), steps.end(), rubs);
+        if (pass > 0 && !touch && !touched) break;
         bodies.support(x);
-        report.add(solve(bodies, around.solver.method, begin, x, {0, tolerance * way, single ? 1e-8 : 1e-2}));
+        report.add(solve(bodies, around.solver.method, begin, x, {0, tolerance, single ? 1e-8 : 1e-2}));
         if (!report.converged) return report;
     }
 
@@ -266,13 +265,14 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
 }
 
 std::vector<std::vector<std::uint32_t>> groups_that_may_touch(std::span<const std::unique_ptr<DynamicBody>> all,
-                                                              double dt) {
+                                                              const Surroundings& around, double end, double dt) {
     std::vector<Bounds> boxes(all.size());
     if (all.size() > 1)
         for (std::size_t i = 0; i < all.size(); ++i) {
             const DynamicBody& b = *all[i];
             std::vector<Vec3> next = b.state.x;
-            for (std::size_t n = 0; n < next.size(); ++n) next[n] += dt * b.state.v[n];
+            for (std::size_t n = 0; n < next.size(); ++n) next[n] += dt * b.state.v[n] + dt * dt * around.gravity;
+            b.constraints.place_held(end, next);
             boxes[i] = b.contact->reach(b.state.x);
             boxes[i].add(b.contact->reach(next));
         }

@@ -16,8 +16,9 @@ SolveReport implicit_step(std::span<const std::unique_ptr<DynamicBody>> all, std
                           const Surroundings& around, ImplicitScheme scheme, double start, double dt,
                           const Threads& threads);
 
-/// The bodies that may touch each other within `dt` [s], group by group; one that meets no other is a group by itself.
+/// The bodies that may touch each other within a step of `dt` [s] that ends at `end`, group by group; one that meets no
+/// other is a group by itself.
 std::vector<std::vector<std::uint32_t>> groups_that_may_touch(std::span<const std::unique_ptr<DynamicBody>> all,
-                                                              double dt);
+                                                              const Surroundings& around, double end, double dt);
 
 }  // namespace phyxel

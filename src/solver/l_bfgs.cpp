@@ -42,7 +42,8 @@ SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
         }
         const double decrease = inner(g, d, threads);
         report.residual = std::sqrt(inner(g, g, threads));
-        if (!std::isfinite(decrease) || decrease < 0) {
+        const double distance = bodies.distance(g, d);
+        if (!std::isfinite(decrease) || decrease < 0 || !std::isfinite(report.residual)) {
             report.trouble = "the search direction of the implicit step left the numbers";
             return report;
         }
@@ -51,8 +52,7 @@ SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
         // The last step is taken too: it costs no gradient more.
         threads.for_each(n, node_chunk, [&](std::size_t i) { d[i] = -d[i]; });
         add_scaled(x, 1.0, d, threads);
-        if (std::sqrt(decrease) <= tolerance.energy || report.residual <= tolerance.force)
-            return report.converged = true, report;
+        if (distance <= tolerance.energy || report.residual <= tolerance.force) return report.converged = true, report;
         before = g;
         bodies.gradient(x, g);
 

@@ -89,8 +89,7 @@ SolveReport newton(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
             if (report.residual <= tolerance.force) return report.converged = true, report;
             if (tolerance.energy > 0) {
                 bodies.precondition(g, z);
-                if (std::sqrt(std::max(0.0, inner(g, z, threads))) <= tolerance.energy)
-                    return report.converged = true, report;
+                if (bodies.distance(g, z) <= tolerance.energy) return report.converged = true, report;
             }
             // The first step of a bending body leaves far larger forces than it began with, by the turning it brings.
             if (report.newton_iterations <= 1) first = std::max(first, report.residual);

@@ -21,8 +21,8 @@ struct SolveReport {
 
 /// When a solve is done: either bound suffices.
 struct SolveTolerance {
-    double force = 0;      ///< |g| [N]
-    double energy = 0;     ///< sqrt(g . V g) [J^(1/2)], V the preconditioner: a distance to the solution
+    double force = 0;   ///< |g| [N]
+    double energy = 0;  ///< sqrt(g . V g) over the way of each body, V the preconditioner: a distance to the solution
     double linear = 1e-5;  ///< share of the linear systems' error, in the norm of the tangent, that may be left
 };
 

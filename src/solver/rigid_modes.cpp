@@ -39,6 +39,7 @@ void RigidModes::factorize() {
                 if (e.node >= a.first && e.node < a.first + a.way.size()) sum += dot(a.way[e.node - a.first], e.force);
             E(i, j) = sum;
         }
+    if (!E.allFinite()) return clear();
     factor_.compute(0.5 * (E + E.transpose()));
     if (factor_.info() != Eigen::Success) clear();
 }

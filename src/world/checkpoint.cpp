@@ -1,3 +1,5 @@
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/hash.h"
@@ -5,6 +7,7 @@
 #include "phyxel/version.h"
 #include "phyxel/world.h"
 #include "world/checkpoint_file.h"
+#include "world/make_body.h"
 #include "world/parts.h"
 
 namespace phyxel {
@@ -24,6 +27,9 @@ std::uint64_t fingerprint(const World::Parts& p) {
     hasher.add_value(p.around.mass_damping);
     hasher.add_value(p.around.stiffness_damping);
     hasher.add_value(static_cast<std::uint64_t>(p.settings.integrator));
+    const SolverSettings& solver = p.settings.solver;
+    for (int choice : {int(solver.method), int(solver.tangent), int(solver.precision)}) hasher.add_value(choice);
+    hasher.add_value(solver.tolerance);
     for (const Collider& collider : p.around.colliders) collider.add_to(hasher);
     for (const auto& body : p.bodies) {
         const Model& m = body->model;
@@ -43,6 +49,9 @@ std::uint64_t fingerprint(const World::Parts& p) {
     }
     return hasher.value();
 }
+
+/// Of a number that is not there.
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 std::string section(std::size_t body, const char* what) { return "body." + std::to_string(body) + "." + what; }
 
@@ -68,6 +77,9 @@ void World::save_checkpoint(const std::filesystem::path& path) const {
         file.add_value(section(i, "body_sticks.count"), std::uint64_t{body.body_sticks.size()});
         file.add_values(section(i, "body_sticks"), std::span<const BodyStick>(body.body_sticks));
         file.add_value(section(i, "body_contact_energy"), body.body_contact_energy);
+        file.add_value(section(i, "apart.count"), std::uint64_t{body.apart.size()});
+        file.add_values(section(i, "apart"), std::span<const std::uint32_t>(body.apart));
+        file.add_value(section(i, "step_energy"), body.step_energy.value_or(none));
         file.add_value(section(i, "history.dt"), body.history.dt);
         file.add_value(section(i, "history.trend"), body.history.trend);
         file.add_values(section(i, "history.x"), std::span<const Vec3>(body.history.x));
@@ -93,17 +105,20 @@ void World::load_checkpoint(const std::filesystem::path& path) {
     std::vector<History> histories;
     std::vector<std::vector<ContactSamples::Stick>> sticks;
     std::vector<std::vector<BodyStick>> body_sticks;
+    std::vector<std::vector<std::uint32_t>> apart;
     for (std::size_t i = 0; i < p.bodies.size(); ++i) {
         const std::size_t n = p.bodies[i]->model.rest.size();
         states.push_back({file.values<Vec3>(section(i, "x"), n), file.values<Vec3>(section(i, "v"), n)});
         modes.push_back(file.values<Vec3>(section(i, "mode"), is_explicit(p.settings.integrator) ? n : 0));
         for (const char* what : {"step_limit", "energy_at_start", "gravity_at_start", "penalty_energy", "carried_load",
-                                 "body_contact_energy"})
+                                 "body_contact_energy", "step_energy"})
             (void)file.value<double>(section(i, what));
         sticks.push_back(file.values<ContactSamples::Stick>(section(i, "sticks"),
                                                             file.value<std::uint64_t>(section(i, "sticks.count"))));
         body_sticks.push_back(file.values<BodyStick>(section(i, "body_sticks"),
                                                      file.value<std::uint64_t>(section(i, "body_sticks.count"))));
+        apart.push_back(
+            file.values<std::uint32_t>(section(i, "apart"), file.value<std::uint64_t>(section(i, "apart.count"))));
         const double last_step = file.value<double>(section(i, "history.dt"));
         const std::size_t kept = last_step > 0 ? n : 0;
         histories.push_back({file.values<Vec3>(section(i, "history.x"), kept),
@@ -117,7 +132,10 @@ void World::load_checkpoint(const std::filesystem::path& path) {
         DynamicBody& body = *p.bodies[i];
         body.state = std::move(states[i]);
         body.history = std::move(histories[i]);
-        body.step_energy.reset();
+        const double step_energy = file.value<double>(section(i, "step_energy"));
+        body.step_energy = std::isnan(step_energy) ? std::nullopt : std::optional(step_energy);
+        body.apart = std::move(apart[i]);
+        prepare_contact(body, p);
         body.sticks = std::move(sticks[i]);
         body.body_sticks = std::move(body_sticks[i]);
         body.body_contact_energy = file.value<double>(section(i, "body_contact_energy"));

@@ -11,6 +11,7 @@
 #include "geometry/thickness.h"
 #include "geometry/winding_number.h"
 #include "phyxel/error.h"
+#include "solver/incremental_potential.h"
 
 namespace phyxel {
 namespace {
@@ -154,6 +155,13 @@ void find_rest_step(DynamicBody& body, const World::Parts& parts) {
                 " s. Lower youngs_modulus or the stiffness damping, or raise density or spacing");
 }
 
+void prepare_contact(DynamicBody& body, const World::Parts& parts) {
+    if (is_explicit(parts.settings.integrator)) return;  // made so, for the stable step at rest
+    const double step = body.history.dt > 0 ? body.history.dt : parts.settings.time_step;
+    const bool is_static = parts.settings.integrator == Integrator::statics;
+    set_contact_stiffness(body, is_static ? std::numeric_limits<double>::infinity() : step);
+}
+
 std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySettings& settings, World::Parts& parts,
                                        MeshReport& mesh_report) {
     validate(settings);
@@ -181,6 +189,7 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     body->friction = settings.friction;
     find_rest_step(*body, parts);
     body->contact.emplace(body->model, body->mesh, body->rest_step, parts.threads);
+    prepare_contact(*body, parts);
     return body;
 }
 

@@ -72,7 +72,8 @@ void let_overlapping_pass(World::Parts& p, DynamicBody& added) {
                               added.model.sampling.spacing,
                               {},
                               {}}});
-        contact.find(x, x, norm(bounding_box(added.mesh).size()), p.threads);
+        contact.find(x, x, norm(bounding_box(added.mesh).size()) + norm(other.contact->reach(other.state.x).size()),
+                     p.threads);
         const double depth = contact.deepest(x);
         if (depth <= 0.1 * std::min(other.model.sampling.spacing, added.model.sampling.spacing)) continue;
         added.apart.push_back(i);
@@ -288,6 +289,7 @@ void World::set_material(BodyId id, const Material& material, std::optional<std:
     body.forget_solver();
     find_rest_step(body, p);
     body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
+    prepare_contact(body, p);
     body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
 }
 
