@@ -147,7 +147,8 @@ def stage_asan(options):
     # Long motions take minutes each under the sanitizers and run through the same code as the others: with --long only.
     slow = "" if options.long else (
         "Modes|BarOnRollers|TractionPatch|Promise|Energy|Bounce|Resting|Motion|StableStep|Equilibrium|Regions|Studies|"
-        "ImplicitStep.(of_any|of_second|from_a|gives)")
+        "ImplicitStep.(of_any|of_second|from_a|gives)|TurnedBeams|Manufactured|SolverEffort|Sag|"
+        "MeetingBodies.(rest|hold|have|that_pile)|SolverSettings.(of_every|of_one)|Refusals.name_a_spacing|Sampling.count")
     if run_command("asan build", "./dev", "build", "asan"):
         run_unit_tests("asan", SANITIZER_ENVIRONMENT, slow=slow)
 
