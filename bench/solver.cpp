@@ -126,7 +126,7 @@ int run_solver(const Options& options) {
                    threads.count(), threads.count() == 1 ? "" : "s");
         fmt::print("{:>6} {:>9} {:>9} {:>9} | {:>5} {:>9} {:>5} {:>9} | {:>5} {:>9} {:>5} {:>9} | {:>6}\n", "nodes",
                    "setup ms", "cycle ms", "action ms", "it.", "multigrid", "it.", "ms", "it.", "b. Jacobi", "it.",
-                   "ms", "ratio");
+                   "ms", "to 1e-6");
     }
     nlohmann::ordered_json json;
     std::vector<SolverRow> rows;

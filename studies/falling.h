@@ -18,15 +18,4 @@ inline double lowest(const World& world, BodyId body) {
         ->y;
 }
 
-/// Centre of mass [m].
-inline Vec3 center(const World& world, BodyId body) {
-    Vec3 sum{};
-    double mass = 0;
-    for (std::size_t i = 0; i < world.masses(body).size(); ++i) {
-        sum += world.masses(body)[i] * world.positions(body)[i];
-        mass += world.masses(body)[i];
-    }
-    return sum / mass;
-}
-
 }  // namespace phyxel::studies

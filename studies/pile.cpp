@@ -43,7 +43,8 @@ int run_pile(const Options& options) {
         for (std::size_t i = 0; i < bodies.size(); ++i) {
             deepest = std::min(deepest, lowest(world, bodies[i]));
             for (std::size_t j = i + 1; j < bodies.size(); ++j)
-                nearest = std::min(nearest, norm(center(world, bodies[i]) - center(world, bodies[j])));
+                nearest = std::min(
+                    nearest, norm(world.report(bodies[i]).center_of_mass - world.report(bodies[j]).center_of_mass));
         }
         if (step % 5 == 0)
             results.add_row(

@@ -86,6 +86,7 @@ struct BodyReport {
     double rest_volume = 0;     ///< [m^3] sum of V_q
     double mesh_volume = 0;     ///< [m^3] of the region whose winding number is above 1/2
     double volume = 0;          ///< [m^3] current, sum of J V_q
+    Vec3 center_of_mass{};      ///< [m] current
     std::size_t fragments = 1;
 };
 

@@ -17,12 +17,6 @@ std::vector<Vec3> sample_places(const BodyContact::Side& side, std::span<const V
     return places;
 }
 
-Bounds grown(Bounds box, double by) {
-    box.lower -= Vec3{by, by, by};
-    box.upper += Vec3{by, by, by};
-    return box;
-}
-
 bool comes_before(const BodyStick& a, const BodyStick& b) {
     return std::tie(a.sample, a.other) < std::tie(b.sample, b.other);
 }
@@ -56,7 +50,7 @@ void BodyContact::find_between(std::uint32_t s, std::uint32_t o, double motion,
     const double inside = reach_inside * other.spacing + motion;
     Bounds other_box;
     for (const Vec3& place : places[o]) other_box.add(place);
-    other_box = grown(other_box, outside);
+    other_box.grow(outside);
     std::vector<std::uint32_t> near;
     side.surface->visit_near(other_box, own_x, [&](std::uint32_t begin, std::uint32_t end) {
         for (std::uint32_t i = begin; i < end; ++i) {
@@ -70,7 +64,7 @@ void BodyContact::find_between(std::uint32_t s, std::uint32_t o, double motion,
     // The triangles of the other surface that may be their nearest.
     Bounds near_box;
     for (std::uint32_t i : near) near_box.add(places[s][i]);
-    near_box = grown(near_box, inside);
+    near_box.grow(inside);
     TriangleMesh target;
     target.vertices = places[o];
     std::vector<std::uint32_t> name;
@@ -105,7 +99,7 @@ void BodyContact::find_between(std::uint32_t s, std::uint32_t o, double motion,
     const EmbeddedPoints &own = side.surface->samples(), &others = other.surface->samples();
     for (std::size_t k = 0; k < near.size(); ++k) {
         if (found[k].foot.triangle == no_triangle) continue;
-        Pair pair{s, o, near[k], static_cast<std::uint32_t>(entries_.size()), 0, found[k].normal};
+        Pair pair{s, o, near[k], static_cast<std::uint32_t>(entries_.size()), 0, {found[k].normal}};
         for (std::uint32_t e = own.offset[near[k]]; e < own.offset[near[k] + 1]; ++e)
             entries_.push_back({static_cast<std::uint32_t>(side.first + own.node[e]), own.phi[e]});
         std::vector<Entry> ground;
@@ -145,15 +139,15 @@ void BodyContact::set_stiffness() {
                     w, covered[entries_[k].node] * other.surface->node_inverse_mass(entries_[k].node - other.first));
         const double own = sides_[pair.side].surface->stiffness(pair.sample),
                      ground = other.surface->stiffness_against(w);
-        pair.stiffness = own * ground / (own + ground);
+        pair.spring.stiffness = own * ground / (own + ground);
     }
 }
 
 void BodyContact::set_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start) {
     for (Pair& pair : pairs_) {
         const Side &side = sides_[pair.side], &other = sides_[pair.other];
-        pair.limit = std::sqrt(side.friction * other.friction) * pair.stiffness *
-                     std::max(0.0, -dot(pair.normal, apart(pair, x)));
+        pair.spring.limit = std::sqrt(side.friction * other.friction) * pair.spring.stiffness *
+                            std::max(0.0, -dot(pair.spring.normal, apart(pair, x)));
         pair.origin = apart(pair, start);
         const BodyStick wanted{pair.sample, other.number, {}};
         const auto old = std::lower_bound(side.sticks.begin(), side.sticks.end(), wanted, comes_before);
@@ -163,42 +157,32 @@ void BodyContact::set_friction(const std::vector<Vec3>& x, const std::vector<Vec
 
 void BodyContact::add_forces(const std::vector<Vec3>& x, std::vector<Vec3>& f) const {
     for (const Pair& pair : pairs_) {
-        const double d = dot(pair.normal, apart(pair, x));
-        if (d < 0) spread(pair, -pair.stiffness * d * pair.normal, f);
+        const double d = dot(pair.spring.normal, apart(pair, x));
+        if (d < 0) spread(pair, -pair.spring.stiffness * d * pair.spring.normal, f);
     }
 }
 
 void BodyContact::add_friction_forces(const std::vector<Vec3>& x, std::vector<Vec3>& f) const {
-    for (const Pair& pair : pairs_) {
-        if (pair.limit == 0) continue;
-        const Vec3 way = slip(pair, x);
-        const double size = norm(way);
-        spread(pair, -(pair.stiffness * size <= pair.limit ? pair.stiffness : pair.limit / size) * way, f);
-    }
+    for (const Pair& pair : pairs_)
+        if (pair.spring.limit > 0) spread(pair, pair.spring.force(slip(pair, x)), f);
 }
 
 void BodyContact::add_action(const std::vector<Vec3>& x, const std::vector<Vec3>& d, std::vector<Vec3>& out) const {
     for (const Pair& pair : pairs_) {
-        const Vec3 change = apart(pair, d), across = change - dot(change, pair.normal) * pair.normal;
+        const Vec3 change = apart(pair, d), across = pair.spring.slip(change);
         Vec3 force{};
-        if (dot(pair.normal, apart(pair, x)) < 0) force += pair.stiffness * (change - across);
-        if (pair.limit > 0) {
-            const Vec3 way = slip(pair, x);
-            const double size = norm(way);
-            // A force that keeps its size turns with the slip.
-            if (pair.stiffness * size <= pair.limit) force += pair.stiffness * across;
-            else force += pair.limit / size * (across - dot(across, way) / (size * size) * way);
-        }
+        if (dot(pair.spring.normal, apart(pair, x)) < 0) force += pair.spring.stiffness * (change - across);
+        if (pair.spring.limit > 0) force += pair.spring.action(slip(pair, x), across);
         spread(pair, force, out);
     }
 }
 
 void BodyContact::add_lumped(const std::vector<Vec3>& x, std::vector<Mat3>& blocks) const {
     for (const Pair& pair : pairs_) {
-        const Mat3 across = Mat3::identity() - outer(pair.normal, pair.normal);
         Mat3 K;
-        if (dot(pair.normal, apart(pair, x)) < 0) K += pair.stiffness * outer(pair.normal, pair.normal);
-        if (pair.limit > 0 && pair.stiffness * norm(slip(pair, x)) <= pair.limit) K += pair.stiffness * across;
+        if (dot(pair.spring.normal, apart(pair, x)) < 0)
+            K += pair.spring.stiffness * outer(pair.spring.normal, pair.spring.normal);
+        if (pair.spring.limit > 0) K += pair.spring.held_stiffness(slip(pair, x));
         for (std::uint32_t k = pair.begin; k < pair.end; ++k)
             blocks[entries_[k].node] += std::abs(entries_[k].weight) * K;
     }
@@ -208,8 +192,8 @@ double BodyContact::energy(std::size_t side, const std::vector<Vec3>& x) const {
     double U = 0;
     for (const Pair& pair : pairs_) {
         if (pair.side != side) continue;
-        const double d = std::min(0.0, dot(pair.normal, apart(pair, x)));
-        U += 0.5 * pair.stiffness * d * d;
+        const double d = std::min(0.0, dot(pair.spring.normal, apart(pair, x)));
+        U += 0.5 * pair.spring.stiffness * d * d;
     }
     return U;
 }
@@ -217,10 +201,8 @@ double BodyContact::energy(std::size_t side, const std::vector<Vec3>& x) const {
 std::vector<BodyStick> BodyContact::sticks(std::size_t side, const std::vector<Vec3>& x) const {
     std::vector<BodyStick> list;
     for (const Pair& pair : pairs_) {
-        if (pair.side != side || pair.limit == 0) continue;
-        const Vec3 way = slip(pair, x);
-        const double reach = pair.limit / pair.stiffness, size = norm(way);
-        list.push_back({pair.sample, sides_[pair.other].number, size > reach ? reach / size * way : way});
+        if (pair.side != side || pair.spring.limit == 0) continue;
+        list.push_back({pair.sample, sides_[pair.other].number, pair.spring.kept(slip(pair, x))});
     }
     std::sort(list.begin(), list.end(), comes_before);
     return list;
@@ -228,13 +210,13 @@ std::vector<BodyStick> BodyContact::sticks(std::size_t side, const std::vector<V
 
 std::size_t BodyContact::touching(std::size_t side, const std::vector<Vec3>& x) const {
     std::size_t count = 0;
-    for (const Pair& pair : pairs_) count += pair.side == side && dot(pair.normal, apart(pair, x)) < 0;
+    for (const Pair& pair : pairs_) count += pair.side == side && dot(pair.spring.normal, apart(pair, x)) < 0;
     return count;
 }
 
 double BodyContact::deepest(const std::vector<Vec3>& x) const {
     double depth = 0;
-    for (const Pair& pair : pairs_) depth = std::max(depth, -dot(pair.normal, apart(pair, x)));
+    for (const Pair& pair : pairs_) depth = std::max(depth, -dot(pair.spring.normal, apart(pair, x)));
     return depth;
 }
 

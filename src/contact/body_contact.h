@@ -16,10 +16,10 @@ struct BodyStick {
 /// Every sample of each body is held against the surface of each other: d = n . (x_s - y), y the nearest point of that
 /// surface, carried by its nodes as the sample is by its own, and n the outward direction there. Both are found by
 /// `find` and kept until the next, so that what a pair stores, k/2 min(0, d)^2, is a smooth function of the positions
-/// of both bodies' nodes, and its forces sum to zero bit by bit. The springs of both bodies act in series.
+/// of both bodies' nodes, and its forces sum to zero. The springs of both bodies act in series.
 ///
-/// Friction: springs along the surface, no stronger than mu times the normal force that was last found (Cundall and
-/// Strack 1979), mu = sqrt(mu_1 mu_2). Their stretch outlasts the step.
+/// Friction: springs along the surface, no stronger than mu times the normal force that was last found, mu = sqrt(mu_1
+/// mu_2). Their stretch outlasts the step.
 class BodyContact {
 public:
     struct Side {
@@ -63,10 +63,8 @@ private:
     struct Pair {
         std::uint32_t side, other, sample;
         std::uint32_t begin, end;  ///< into `entries_`
-        Vec3 normal;
-        double stiffness = 0;  ///< [N/m]
-        double limit = 0;      ///< of friction, mu f_n [N]
-        Vec3 origin{};         ///< x_s - y at the start of the step, less the stretch it began with
+        FrictionSpring spring;     ///< as stiff as the normal one; without a limit there is no friction
+        Vec3 origin{};             ///< x_s - y at the start of the step, less the stretch it began with
     };
 
     void find_between(std::uint32_t side, std::uint32_t other, double motion,
@@ -83,8 +81,7 @@ private:
         for (std::uint32_t k = pair.begin; k < pair.end; ++k) f[entries_[k].node] += entries_[k].weight * force;
     }
     Vec3 slip(const Pair& pair, const std::vector<Vec3>& x) const {
-        const Vec3 way = apart(pair, x) - pair.origin;
-        return way - dot(way, pair.normal) * pair.normal;
+        return pair.spring.slip(apart(pair, x) - pair.origin);
     }
 
     std::vector<Side> sides_;

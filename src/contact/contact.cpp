@@ -89,9 +89,7 @@ ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, dou
 Bounds ContactSamples::reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x) {
     Bounds box;
     for (std::uint32_t n : nodes) box.add(x[n]);
-    const double margin = 0.2 * norm(box.size());
-    box.lower -= Vec3{margin, margin, margin};
-    box.upper += Vec3{margin, margin, margin};
+    box.grow(0.2 * norm(box.size()));
     return box;
 }
 

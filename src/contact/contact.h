@@ -5,6 +5,7 @@
 
 #include "approximation/embedded_points.h"
 #include "contact/collider.h"
+#include "contact/friction_spring.h"
 #include "contact/moving_surface.h"
 #include "model/model.h"
 
@@ -59,15 +60,12 @@ public:
     /// Friction of a touching sample with a normal force that is held for a while.
     struct Rub {
         Stick stick;
-        Vec3 normal;
-        double limit;      ///< mu f_n [N]
-        double stiffness;  ///< of the tangential spring, as of the normal one [N/m]
+        FrictionSpring spring;  ///< as stiff as the normal one
     };
     /// The friction of `touches`: samples that stuck before do so at the same place, others where they were at `start`.
     std::vector<Rub> rubs(std::span<const Collider> colliders, std::span<const Touch> touches,
                           std::span<const Stick> sticks, std::span<const Vec3> start) const;
-    /// Coulomb friction by tangential springs from the anchors, no stronger than the limits (Cundall and Strack 1979):
-    /// what rests on a slope stays where it is, where a force that only opposes velocity would let it creep.
+    /// Coulomb friction by springs from the anchors.
     void add_friction_forces(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<Vec3> f) const;
     /// Adds the derivative of its negative, applied to `d`; symmetric and never negative.
     void add_friction_action(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<const Vec3> d,
@@ -119,6 +117,9 @@ private:
         std::vector<std::uint32_t> nodes;
     };
 
+    Vec3 slip(const Rub& rub, std::span<const Vec3> x) const {
+        return rub.spring.slip(samples_.position(rub.stick.sample, x) - rub.stick.anchor);
+    }
     /// Bounding box of some nodes, widened: shape functions have some negative values, and samples may stick out.
     static Bounds reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x);
 

@@ -6,8 +6,6 @@
 namespace phyxel {
 namespace {
 
-Vec3 tangential(const Vec3& v, const Vec3& normal) { return v - dot(v, normal) * normal; }
-
 bool stick_comes_before(const ContactSamples::Stick& a, const ContactSamples::Stick& b) {
     return std::tie(a.sample, a.collider) < std::tie(b.sample, b.collider);
 }
@@ -32,33 +30,20 @@ std::vector<ContactSamples::Rub> ContactSamples::rubs(std::span<const Collider> 
         const auto old = std::lower_bound(sticks.begin(), sticks.end(), stick, stick_comes_before);
         const bool known = old != sticks.end() && !stick_comes_before(stick, *old);
         stick.anchor = known ? old->anchor : samples_.position(touch.sample, start);
-        list.push_back({stick, touch.normal, limit, stiffness(touch.sample)});
+        list.push_back({stick, {touch.normal, limit, stiffness(touch.sample)}});
     }
     return list;
 }
 
 void ContactSamples::add_friction_forces(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<Vec3> f) const {
-    for (const Rub& rub : rubs) {
-        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
-        const double size = norm(slip);
-        const double held = rub.stiffness * size <= rub.limit ? rub.stiffness : rub.limit / size;
-        spread(rub.stick.sample, -held * slip, f);
-    }
+    for (const Rub& rub : rubs) spread(rub.stick.sample, rub.spring.force(slip(rub, x)), f);
 }
 
 void ContactSamples::add_friction_action(std::span<const Rub> rubs, std::span<const Vec3> x, std::span<const Vec3> d,
                                          std::span<Vec3> out) const {
     for (const Rub& rub : rubs) {
-        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
-        const Vec3 change = tangential(samples_.position(rub.stick.sample, d), rub.normal);
-        const double size = norm(slip);
-        if (rub.stiffness * size <= rub.limit) {
-            spread(rub.stick.sample, rub.stiffness * change, out);
-        } else {
-            // A force that keeps its size turns with the slip.
-            const Vec3 across = change - dot(change, slip) / (size * size) * slip;
-            spread(rub.stick.sample, rub.limit / size * across, out);
-        }
+        const Vec3 change = rub.spring.slip(samples_.position(rub.stick.sample, d));
+        spread(rub.stick.sample, rub.spring.action(slip(rub, x), change), out);
     }
 }
 
@@ -66,10 +51,7 @@ std::vector<ContactSamples::Stick> ContactSamples::sticks(std::span<const Rub> r
     std::vector<Stick> list;
     for (const Rub& rub : rubs) {
         Stick stick = rub.stick;
-        const Vec3 place = samples_.position(stick.sample, x);
-        const Vec3 slip = tangential(place - stick.anchor, rub.normal);
-        const double reach = rub.limit / rub.stiffness, size = norm(slip);
-        stick.anchor = place - (size > reach ? reach / size : 1.0) * slip;
+        stick.anchor = samples_.position(stick.sample, x) - rub.spring.kept(slip(rub, x));
         list.push_back(stick);
     }
     std::sort(list.begin(), list.end(), stick_comes_before);
@@ -83,12 +65,7 @@ void ContactSamples::add_lumped(std::span<const Touch> touches, std::span<const 
             blocks[samples_.node[k]] += std::max(0.0, samples_.phi[k]) * K;
     };
     for (const Touch& touch : touches) add(touch.sample, stiffness(touch.sample) * outer(touch.normal, touch.normal));
-    for (const Rub& rub : rubs) {
-        const Vec3 slip = tangential(samples_.position(rub.stick.sample, x) - rub.stick.anchor, rub.normal);
-        const double size = norm(slip);
-        const double held = rub.stiffness * size <= rub.limit ? rub.stiffness : 0;
-        add(rub.stick.sample, held * (Mat3::identity() - outer(rub.normal, rub.normal)));
-    }
+    for (const Rub& rub : rubs) add(rub.stick.sample, rub.spring.held_stiffness(slip(rub, x)));
 }
 
 }  // namespace phyxel

@@ -13,6 +13,8 @@ struct Bounds {
 
     void add(const Vec3& point);
     void add(const Bounds& box);
+    /// Moves every side out.
+    void grow(double by) { lower -= Vec3{by, by, by}, upper += Vec3{by, by, by}; }
     Vec3 size() const { return upper - lower; }
     Vec3 center() const { return lower + 0.5 * (upper - lower); }
     bool overlaps(const Bounds& other) const;

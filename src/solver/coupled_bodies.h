@@ -43,8 +43,8 @@ public:
     /// z = V r, body by body, and together for the rigid motions of those that touch something.
     void precondition(const std::vector<Vec3>& r, std::vector<Vec3>& z);
 
-    /// Distance to the solution over the way, of the body that is furthest: sqrt(g . z) with z = V g. NaN for a product
-    /// that is none or negative.
+    /// Distance to the solution over the way, of the body that is furthest: sqrt(|g . z|) with z = V g; NaN where that
+    /// is no number or, for a body alone, negative.
     double distance(const std::vector<Vec3>& g, const std::vector<Vec3>& z) const;
 
     const Threads& threads;

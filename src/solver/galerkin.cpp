@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "geometry/mesh_topology.h"
+
 namespace phyxel {
 namespace {
 
@@ -122,25 +124,12 @@ BlockStiffness block_stiffness(const Model& m, const Stencils::Block& block, con
 }  // namespace
 
 std::vector<std::uint32_t> separate_parts(const Sampling& sampling) {
-    std::vector<std::uint32_t> part(sampling.cell_centers.size(), no_index), waiting;
-    std::uint32_t count = 0;
-    for (std::uint32_t start = 0; start < part.size(); ++start) {
-        if (part[start] != no_index) continue;
-        part[start] = count;
-        waiting.push_back(start);
-        while (!waiting.empty()) {
-            const std::uint32_t cell = waiting.back();
-            waiting.pop_back();
-            for (std::uint32_t k = sampling.neighbor_offset[cell]; k < sampling.neighbor_offset[cell + 1]; ++k)
-                if (part[sampling.neighbors[k]] == no_index) {
-                    part[sampling.neighbors[k]] = count;
-                    waiting.push_back(sampling.neighbors[k]);
-                }
-        }
-        ++count;
-    }
+    DisjointSets parts(sampling.cell_centers.size());
+    for (std::uint32_t cell = 0; cell < sampling.cell_centers.size(); ++cell)
+        for (std::uint32_t k = sampling.neighbor_offset[cell]; k < sampling.neighbor_offset[cell + 1]; ++k)
+            parts.unite(cell, sampling.neighbors[k]);
     std::vector<std::uint32_t> of_nodes;
-    for (std::uint32_t cell : sampling.node_cell) of_nodes.push_back(part[cell]);
+    for (std::uint32_t cell : sampling.node_cell) of_nodes.push_back(parts.find(cell));
     return of_nodes;
 }
 

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "solver/coupled_bodies.h"
-#include "solver/warped_preconditioner.h"
 
 namespace phyxel {
 
@@ -40,8 +39,8 @@ SolveReport newton(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveToler
 
 /// L-BFGS (Nocedal and Wright, algorithm 7.4) with the preconditioner as first inverse Hessian and five pairs, kept
 /// within the solve: one gradient and one preconditioner application an iteration. Full steps, shortened by the secant
-/// rule where they overshoot. The preconditioner stays as it was turned. Gives up after `most` iterations or two
-/// shortened steps in a row.
+/// rule until they do not overshoot. The preconditioner stays as it was turned. Gives up after `most` iterations or
+/// three shortened steps in a row.
 SolveReport l_bfgs(CoupledBodies& bodies, std::vector<Vec3>& x, const SolveTolerance& tolerance, int most);
 
 }  // namespace phyxel

@@ -71,6 +71,10 @@ BodyReport World::report(BodyId id) const {
     r.mesh_volume = parts_->infos[index].mesh_report.volume;
     const std::vector<Mat3> F = deformation_gradients(m, body.state.x, parts_->threads);
     r.volume = parts_->threads.sum(F.size(), 1024, [&](std::size_t q) { return m.volumes[q] * determinant(F[q]); });
+    for (int c = 0; c < 3; ++c)
+        r.center_of_mass[c] = parts_->threads.sum(m.mass.size(), 1024, [&](std::size_t i) {
+            return m.mass[i] * body.state.x[i][c];
+        }) / m.total_mass;
     return r;
 }
 

@@ -20,15 +20,7 @@ inline BodySettings small_body(BodySettings settings = {}) {
 }
 
 /// [m]
-inline Vec3 center_of_mass(const World& world, BodyId body) {
-    Vec3 sum{};
-    double mass = 0;
-    for (std::size_t i = 0; i < world.masses(body).size(); ++i) {
-        sum += world.masses(body)[i] * world.positions(body)[i];
-        mass += world.masses(body)[i];
-    }
-    return sum / mass;
-}
+inline Vec3 center_of_mass(const World& world, BodyId body) { return world.report(body).center_of_mass; }
 
 /// Momentum over mass [m/s].
 inline Vec3 mean_velocity(const World& world, BodyId body) {
