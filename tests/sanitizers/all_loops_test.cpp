@@ -12,7 +12,7 @@ std::uint64_t hash_after_some_steps(Integrator integrator, BodySettings body, in
     World world({.gravity = {0, -9.81, 0},
                  .integrator = integrator,
                  .mass_damping = 1,
-                 .stiffness_damping = 1e-4,
+                 .stiffness_damping = is_explicit(integrator) ? 1e-4 : 0,
                  .threads = threads});
     body.translation = {0, 0.5001, 0};
     body.velocity = {0.5, -2, 0};
@@ -24,7 +24,7 @@ std::uint64_t hash_after_some_steps(Integrator integrator, BodySettings body, in
     world.add_probe(id, {0, 0.5, 0});
     // Where implicit steps are taken, something stands beside it for it to run against.
     if (!is_explicit(integrator)) world.add_body(cube_mesh, small_body({.translation = {0.56, 0.3, 0}}));
-    const StepReport report = world.advance((is_explicit(integrator) ? 6 : 2) * world.stable_substep());
+    const StepReport report = world.advance((is_explicit(integrator) ? 6 : 1) * world.stable_substep());
     EXPECT_EQ(report.status, StepStatus::ok) << report.message;
     EXPECT_GT(report.contacts, 0u);
     EXPECT_TRUE(all_finite(world, id));
