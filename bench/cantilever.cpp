@@ -19,7 +19,7 @@ namespace {
 constexpr Vec3 beam = {0.1, 0.1, 1};
 constexpr double dt = 1.0 / 60, damping = 4;
 constexpr std::size_t steps = 300, batch = 30, batches = steps / batch;
-constexpr std::size_t sizes[] = {2, 3, 4, 5, 7, 9};  ///< cells across: 189, 496, 1025, 1836, 4544, 9100 nodes
+constexpr std::size_t sizes[] = {2, 3, 4, 5, 7, 9, 14};  ///< cells across: 189 nodes, 496, ... 9100, 31725
 constexpr int runs = 2;  ///< of which the shorter time of each batch counts; above 2000 nodes there is one
 
 struct Case {
@@ -159,6 +159,12 @@ double tip_error(const Case& c, const Run& run) {
     return 100 * std::hypot(y, z) / std::hypot(c.rest_y, c.rest_z);
 }
 
+/// Power of the nodes that the time of a step grows with between two sizes.
+double growth(const Row& small, const Row& large) {
+    return std::log(large.processor_ms / small.processor_ms) /
+           std::log(double(large.run.nodes) / double(small.run.nodes));
+}
+
 void print_row(const Case& c, const Row& row) {
     const Run& run = row.run;
     fmt::print(
@@ -203,6 +209,7 @@ int run_cantilever(const Options& options) {
                        "nodes", "threads", "error %", "tip y [m]", "tip z [m]", "1st peak", "step", "cpu ms", "slowest",
                        "wall ms", "iter.", "most", "MB", "1st ms");
         }
+        std::vector<Row> alone;  // rows of one thread
         for (const std::size_t cells : sizes) {
             const std::size_t nodes = (cells + 1) * (cells + 1) * (10 * cells + 1);
             if (options.nodes > 0 && nodes != options.nodes) continue;
@@ -210,10 +217,14 @@ int run_cantilever(const Options& options) {
                 if (options.threads > 0 && threads != options.threads) continue;
                 const Row row = measure(c, cells, threads);
                 completed = completed && row.run.completed;
+                if (threads == 1) alone.push_back(row);
                 if (options.as_json) json[c.name].push_back(row_json(c, row));
                 else print_row(c, row);
             }
         }
+        if (!options.as_json && alone.size() > 2)
+            fmt::print("one thread: time a step grows with nodes^{:.2f} from {} to {} nodes\n",
+                       growth(alone[1], alone.back()), alone[1].run.nodes, alone.back().run.nodes);
         if (options.reference) {
             const Swing swing = run_elements(c, 2);
             if (options.as_json)

@@ -12,8 +12,8 @@ namespace {
 
 struct KernelRow {
     std::size_t nodes = 0, points = 0, pairs = 0;
-    double uniform_share = 0;  ///< of chunks
-    double bytes = 0;          ///< of gradients and indices
+    double uniform_share = 0, similar_share = 0;  ///< of chunks
+    double bytes = 0;                             ///< of gradients and indices
     double rest_action = 0, loose_rest_action = 0, forces = 0, energy = 0, double_forces = 0;  ///< [s]
 
     /// Gathering and scattering a pair are nine multiplications and additions each.
@@ -24,7 +24,7 @@ struct KernelRow {
 KernelRow measure(double spacing, const Threads& threads) {
     const Model model = beam_model(spacing, threads);
     const CellBlocks blocks(model, threads);
-    const CellBlocks loose(model, threads, 1e-2);
+    const CellBlocks loose(model, threads, {.tolerance = 1e-2});
     const std::vector<Vec3> x = bent(model, 1.5);
     std::vector<Vec3> f(x.size());
     std::vector<Vec3f> d, out(x.size());
@@ -34,8 +34,9 @@ KernelRow measure(double spacing, const Threads& threads) {
     row.nodes = x.size();
     row.points = model.stencils.points();
     row.pairs = model.stencils.pairs();
-    row.uniform_share =
-        static_cast<double>(blocks.counts().uniform_chunks) / static_cast<double>(blocks.counts().chunks);
+    const auto chunks = static_cast<double>(blocks.counts().chunks);
+    row.uniform_share = static_cast<double>(blocks.counts().uniform_chunks) / chunks;
+    row.similar_share = static_cast<double>(blocks.counts().similar_chunks) / chunks;
     row.bytes = static_cast<double>(blocks.counts().bytes);
     row.rest_action = shortest_call([&] { blocks.rest_action(model, d, threads, out); });
     row.forces = shortest_call([&] { blocks.forces(model, x, threads, f); });
@@ -63,6 +64,7 @@ void print_json(const std::vector<KernelRow>& rows, double peak, int threads) {
                                           {"points", row.points},
                                           {"pairs", row.pairs},
                                           {"uniform_share", row.uniform_share},
+                                          {"similar_share", row.similar_share},
                                           {"bytes", row.bytes},
                                           {"rest_action_seconds", row.rest_action},
                                           {"rest_action_flops", row.flops(row.rest_action)},
@@ -82,16 +84,19 @@ void print_table(const std::vector<KernelRow>& rows, double peak, int threads) {
         return 100 * row.flops(seconds) / (peak * threads);
     };
     fmt::print(
-        "                          stiffness at rest                |    with 1e-2     | forces  energy | double\n");
+        "                                  stiffness at rest                |    with 1e-2     | forces  energy | "
+        "double\n");
     fmt::print(
-        " nodes uniform     MB |      ms  ns/point GFlop/s   peak |      ms    peak |     ms      ms |     ms   "
+        " nodes uniform similar     MB |      ms  ns/point GFlop/s   peak |      ms    peak |     ms      ms |     ms  "
+        " "
         "ratio\n");
     for (const KernelRow& r : rows)
         fmt::print(
-            "{:>6} {:>6.0f}% {:>6.1f} | {:>7.3f} {:>9.1f} {:>7.1f} {:>5.0f}% | {:>7.3f} {:>6.0f}% | {:>6.3f} {:>7.3f} "
+            "{:>6} {:>6.0f}% {:>6.0f}% {:>6.1f} | {:>7.3f} {:>9.1f} {:>7.1f} {:>5.0f}% | {:>7.3f} {:>6.0f}% | {:>6.3f} "
+            "{:>7.3f} "
             "| {:>6.3f} {:>7.1f}\n",
-            r.nodes, 100 * r.uniform_share, 1e-6 * r.bytes, 1e3 * r.rest_action, r.nanoseconds_a_point(),
-            1e-9 * r.flops(r.rest_action), share(r, r.rest_action), 1e3 * r.loose_rest_action,
+            r.nodes, 100 * r.uniform_share, 100 * r.similar_share, 1e-6 * r.bytes, 1e3 * r.rest_action,
+            r.nanoseconds_a_point(), 1e-9 * r.flops(r.rest_action), share(r, r.rest_action), 1e3 * r.loose_rest_action,
             share(r, r.loose_rest_action), 1e3 * r.forces, 1e3 * r.energy, 1e3 * r.double_forces,
             r.double_forces / r.forces);
 }

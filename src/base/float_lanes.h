@@ -76,6 +76,12 @@ struct PlainLanes : Vectors {
         for (std::size_t l = 0; l < count; ++l) r[l] = std::sqrt(a[l]);
         return r;
     }
+    /// Numbers of 16 bits as floats.
+    [[gnu::always_inline]] static inline Float widen(const std::int16_t* from) {
+        Float r{};
+        for (std::size_t l = 0; l < count; ++l) r[l] = static_cast<float>(from[l]);
+        return r;
+    }
     /// Whether a comparison holds in any lane.
     template <class Mask>
     [[gnu::always_inline]] static inline bool any(const Mask& mask) {
@@ -94,6 +100,9 @@ struct Avx2Lanes : EightFloats {
     [[gnu::always_inline, gnu::target(PHYXEL_AVX2_FMA)]] static inline Float sqrt(const Float& a) {
         return _mm256_sqrt_ps(a);
     }
+    [[gnu::always_inline, gnu::target(PHYXEL_AVX2_FMA)]] static inline Float widen(const std::int16_t* from) {
+        return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
+    }
     template <class Mask>
     [[gnu::always_inline, gnu::target(PHYXEL_AVX2_FMA)]] static inline bool any(const Mask& mask) {
         return _mm256_movemask_ps(reinterpret_cast<const __m256&>(mask)) != 0;
@@ -107,6 +116,10 @@ struct Avx512Lanes : SixteenFloats {
     }
     [[gnu::always_inline, gnu::target(PHYXEL_AVX512)]] static inline Float sqrt(const Float& a) {
         return _mm512_maskz_sqrt_ps(0xffff, a);
+    }
+    [[gnu::always_inline, gnu::target(PHYXEL_AVX512)]] static inline Float widen(const std::int16_t* from) {
+        const __m256i numbers = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+        return _mm512_maskz_cvtepi32_ps(0xffff, _mm512_maskz_cvtepi16_epi32(0xffff, numbers));
     }
     template <class Mask>
     [[gnu::always_inline, gnu::target(PHYXEL_AVX512)]] static inline bool any(const Mask& mask) {

@@ -13,16 +13,21 @@ constexpr int block_edge = 8;  ///< cells a block along each axis: its slots and
 constexpr std::size_t gathered_chunk = 512;
 constexpr std::size_t most_samples = 12;  ///< nodes that tell how a block is turned
 
+/// As floats, none of them shared.
+std::size_t bytes_of_gradients(const Model& m, CellPoints points) {
+    return sizeof(Vec3f) * m.stencils.pairs() / (points == CellPoints::all ? 1 : 8);
+}
+
 int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell) / block_edge; }
 
 }  // namespace
 
-CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolerance, Instructions instructions,
-                       CellPoints points)
-    : groups_(group_cells(model, tolerance, threads)),
-      lanes_(cell_lanes(instructions)),
-      kernel_(cell_kernel(instructions)),
-      points_(points),
+CellBlocks::CellBlocks(const Model& model, const Threads& threads, const CellOptions& options)
+    : groups_(group_cells(model, options.tolerance,
+                          bytes_of_gradients(model, options.points) > options.cached_gradients, threads)),
+      lanes_(cell_lanes(options.instructions)),
+      kernel_(cell_kernel(options.instructions)),
+      points_(options.points),
       length_(model.sampling.spacing) {
     // Groups by block, law and shape.
     std::vector<std::uint32_t> order(groups_.groups.size());
@@ -42,18 +47,7 @@ CellBlocks::CellBlocks(const Model& model, const Threads& threads, double tolera
         if (i == 0 || block_key(order[i]) != block_key(order[i - 1])) begin.push_back(i);
     begin.push_back(order.size());
 
-    // Shared gradients of the shapes that can fill a chunk.
-    std::vector<std::uint32_t> leader(groups_.shapes, no_index);
-    for (std::uint32_t g = 0; g < groups_.groups.size(); ++g) {
-        std::uint32_t& l = leader[groups_.groups[g].shape];
-        if (l == no_index && groups_.groups[g].sharing >= lanes_ - lanes_ / 4) l = g;
-    }
-    shapes_.resize(groups_.shapes);
-    threads.for_each(shapes_.size(), 16, [&](std::size_t s) {
-        if (leader[s] == no_index) return;
-        shapes_[s] = pack_shape(model, groups_, groups_.groups[leader[s]], points_);
-    });
-
+    shapes_ = pack_shapes(model, groups_, lanes_, points_, threads);
     blocks_.resize(begin.size() - 1);
     threads.for_each(blocks_.size(), 1, [&](std::size_t b) {
         const auto members = std::span(order).subspan(begin[b], begin[b + 1] - begin[b]);
@@ -89,13 +83,16 @@ void CellBlocks::count(const Model& model) {
     for (const CellBlock& block : blocks_) {
         counts_.chunks += block.chunks.size();
         for (const CellChunk& chunk : block.chunks) {
-            counts_.uniform_chunks += chunk.uniform;
+            counts_.uniform_chunks += chunk.kind == ChunkKind::uniform;
+            counts_.similar_chunks += chunk.kind == ChunkKind::similar;
             counts_.lane_pairs += chunk.pair_begin[8] * lanes_;
             largest_window_ = std::max<std::size_t>(largest_window_, chunk.entries);
         }
-        counts_.bytes += 4 * block.gradient.size() + 2 * block.entry.size() + 2 * block.slot.size();
+        counts_.bytes +=
+            4 * block.gradient.size() + 2 * block.difference.size() + 2 * block.entry.size() + 2 * block.slot.size();
     }
-    for (const CellShape& shape : shapes_) counts_.bytes += 4 * shape.gradient.size() + 2 * shape.entry.size();
+    for (const auto* shapes : {&shapes_.exact, &shapes_.similar})
+        for (const CellShape& shape : *shapes) counts_.bytes += 4 * shape.gradient.size() + 2 * shape.entry.size();
 }
 
 void CellBlocks::set_materials(const Model& model, const Threads& threads) {

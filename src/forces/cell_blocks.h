@@ -7,14 +7,27 @@
 
 namespace phyxel {
 
+struct CellOptions {
+    /// Cells whose gradients times the spacing differ by less share them. The forces stay the exact derivative of the
+    /// energy; with 1e-2 nearly all cells of a prism are uniform, which is good enough, and twice to six times faster,
+    /// for a preconditioner.
+    double tolerance = close_gradients;
+    CellPoints points = CellPoints::all;
+    Instructions instructions = best_instructions();
+    /// [B] Up to so much, gradients stay in the cache, where reading them takes less time than adding differences: no
+    /// chunk is similar then.
+    std::size_t cached_gradients = 8'000'000;
+};
+
 /// Elastic forces, energy and stiffness at rest of one body in single precision, many lattice cells at a time.
 ///
 /// All eight points of a lattice cell see the 4x4x4 nodes around it, so that cells side by side in the lanes of a
 /// vector need no index a pair: the nodes of a cell's window are gathered once, the gradients are read in order, and
 /// forces are summed over the window before they go back. Cells whose gradients are equal, deep in the body or along a
-/// prism, share one set of them (*uniform* chunks); others, near a curved or turned surface, read their own (*mixed*
-/// chunks), which takes as much memory as it takes time. Points of other lattices and quadratures run the same way in
-/// small groups.
+/// prism, share one set of them (*uniform* chunks). Where gradients are similar, the cells share a set and read what
+/// each of them differs by in 16 bits (*similar* chunks: half of the memory, for bodies that the cache does not hold);
+/// others, near a curved or turned surface, read their own (*mixed* chunks). Points of other lattices and
+/// quadratures run the same way in small groups.
 ///
 /// Positions are doubles; what the lanes see are displacements from the rest shape of a block of cells, moved rigidly
 /// to where the block is, so that neither large coordinates nor rotations cost digits, and small strains keep theirs.
@@ -23,11 +36,7 @@ namespace phyxel {
 /// arrays: one at a time.
 class CellBlocks {
 public:
-    /// Cells whose gradients times the spacing differ by less than `tolerance` share them. The forces stay the exact
-    /// derivative of the energy; with 1e-2 nearly all cells of a prism are uniform, which is good enough, and twice to
-    /// six times faster, for a preconditioner.
-    CellBlocks(const Model& model, const Threads& threads, double tolerance = close_gradients,
-               Instructions instructions = best_instructions(), CellPoints points = CellPoints::all);
+    CellBlocks(const Model& model, const Threads& threads, const CellOptions& options = {});
 
     /// Reads the moduli of the model again; its laws must be those of the construction.
     void set_materials(const Model& model, const Threads& threads);
@@ -47,7 +56,7 @@ public:
 
     /// What is done in one evaluation.
     struct Counts {
-        std::size_t groups = 0, chunks = 0, uniform_chunks = 0;
+        std::size_t groups = 0, chunks = 0, uniform_chunks = 0, similar_chunks = 0;
         std::size_t pairs = 0;       ///< of points and nodes, those of empty lanes not counted
         std::size_t lane_pairs = 0;  ///< with all that the lanes compute in vain
         std::size_t bytes = 0;       ///< of gradients and indices
@@ -68,7 +77,7 @@ private:
     CellKernel kernel_;
     CellPoints points_;
     double length_ = 1, stiffness_ = 1;  ///< units of the lanes: spacing [m], largest V times modulus [J]
-    std::vector<CellShape> shapes_;      ///< [shapes] empty where no chunk is uniform
+    CellShapes shapes_;
     std::vector<CellBlock> blocks_;
     std::vector<std::uint32_t> slot_begin_;        ///< [blocks + 1]
     std::vector<std::uint32_t> node_slot_offset_;  ///< [nodes + 1] into `node_slots_`

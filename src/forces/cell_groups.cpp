@@ -47,11 +47,12 @@ SortedPoint sorted_point(const Model& m, const CellFrame& frame, std::uint32_t q
 
 class Builder {
 public:
-    Builder(const Model& model, double tolerance, const Threads& threads)
+    Builder(const Model& model, double tolerance, bool families, const Threads& threads)
         : m_(model),
           st_(model.stencils),
           frame_(cell_frame(model.sampling)),
           tolerance_(tolerance),
+          families_(families),
           threads_(threads) {}
 
     CellGroups run() {
@@ -221,7 +222,9 @@ private:
         return s;
     }
 
-    bool equal_shape(const CellGroups::Group& a, const CellGroups::Group& b) const {
+    /// Whether two groups have equal windows and points, and gradients that differ by no more than `tolerance`.
+    bool similar(std::uint32_t leader, std::uint32_t other, double tolerance) const {
+        const CellGroups::Group &a = result_.groups[leader], &b = result_.groups[other];
         if (a.kind() != b.kind() || result_.window_size(a) != result_.window_size(b)) return false;
         for (std::uint32_t e = 0; e < result_.window_size(a); ++e)
             if (result_.place[a.window_begin + e] != result_.place[b.window_begin + e]) return false;
@@ -233,54 +236,64 @@ private:
             result_.spread_gradients(m_, a, octant, spread_a);
             result_.spread_gradients(m_, b, octant, spread_b);
             for (std::size_t e = 0; e < spread_a.size(); ++e)
-                if (!(norm(spread_a[e] - spread_b[e]) <= tolerance_)) return false;
+                if (!(norm(spread_a[e] - spread_b[e]) <= tolerance)) return false;
         }
         return true;
     }
 
-    void find_shapes() {
-        auto& groups = result_.groups;
+    std::vector<Signature> signatures() const {
         std::mt19937 engine(1);
         std::vector<Vec3> random(4096);
         for (Vec3& v : random)
             for (std::size_t c = 0; c < 3; ++c) v[c] = static_cast<double>(engine()) / 2147483648.0 - 1;
-        std::vector<Signature> signatures(groups.size());
-        threads_.for_chunks(groups.size(), 64, [&](std::size_t begin, std::size_t end) {
+        std::vector<Signature> result(result_.groups.size());
+        threads_.for_chunks(result.size(), 64, [&](std::size_t begin, std::size_t end) {
             std::vector<Vec3> spread;
             for (std::size_t g = begin; g < end; ++g)
-                signatures[g] = signature(static_cast<std::uint32_t>(g), random, spread);
+                result[g] = signature(static_cast<std::uint32_t>(g), random, spread);
         });
-        std::sort(signatures.begin(), signatures.end(), [](const Signature& a, const Signature& b) {
+        std::sort(result.begin(), result.end(), [](const Signature& a, const Signature& b) {
             return std::tie(a.window, a.gradients, a.group) < std::tie(b.window, b.gradients, b.group);
         });
+        return result;
+    }
 
-        // A group takes the shape of a leader whose projections are near its own; random signs make a sum of a thousand
-        // differences some twenty times the largest.
+    /// Groups take the number of a leader whose gradients are within `tolerance` of their own; returns the leaders.
+    std::vector<std::uint32_t> follow_leaders(std::span<const Signature> sorted, double tolerance,
+                                              std::uint32_t CellGroups::Group::*number) {
+        // The projections are near too; random signs make a sum of a thousand differences some twenty times the
+        // largest.
         constexpr std::size_t most_leaders = 256;
-        const double near = 30 * tolerance_;
-        std::vector<Signature> leaders;
-        std::vector<std::uint32_t> count;
-        for (const Signature& s : signatures) {
-            std::size_t shape = leaders.size();
+        const double near = 30 * tolerance;
+        std::vector<const Signature*> leaders;
+        for (const Signature& s : sorted) {
+            std::size_t found = leaders.size();
             for (std::size_t back = 1; back <= std::min(most_leaders, leaders.size()); ++back) {
-                const Signature& leader = leaders[leaders.size() - back];
+                const Signature& leader = *leaders[leaders.size() - back];
                 if (leader.window != s.window || s.gradients[0] - leader.gradients[0] > near) break;
-                if (s.distance(leader) > near || !equal_shape(groups[leader.group], groups[s.group])) continue;
-                shape = leaders.size() - back;
+                if (s.distance(leader) > near || !similar(leader.group, s.group, tolerance)) continue;
+                found = leaders.size() - back;
                 break;
             }
-            if (shape == leaders.size()) leaders.push_back(s), count.push_back(0);
-            groups[s.group].shape = static_cast<std::uint32_t>(shape);
-            ++count[shape];
+            if (found == leaders.size()) leaders.push_back(&s);
+            result_.groups[s.group].*number = static_cast<std::uint32_t>(found);
         }
-        for (CellGroups::Group& group : groups) group.sharing = count[group.shape];
-        result_.shapes = leaders.size();
+        std::vector<std::uint32_t> groups;
+        for (const Signature* leader : leaders) groups.push_back(leader->group);
+        return groups;
+    }
+
+    void find_shapes() {
+        const std::vector<Signature> sorted = signatures();
+        result_.shape_leader = follow_leaders(sorted, tolerance_, &CellGroups::Group::shape);
+        if (families_) result_.family_leader = follow_leaders(sorted, similar_gradients, &CellGroups::Group::family);
     }
 
     const Model& m_;
     const Stencils& st_;
     CellFrame frame_;
     double tolerance_;
+    bool families_;
     const Threads& threads_;
     CellGroups result_;
 };
@@ -314,8 +327,8 @@ void CellGroups::spread_mean_gradients(const Model& m, const Group& group, std::
     for (std::size_t e = 0; e < sum.size(); ++e) gradients[e] = volume > 0 ? sum[e] / volume : Vec3{};
 }
 
-CellGroups group_cells(const Model& model, double tolerance, const Threads& threads) {
-    return Builder(model, tolerance, threads).run();
+CellGroups group_cells(const Model& model, double tolerance, bool families, const Threads& threads) {
+    return Builder(model, tolerance, families, threads).run();
 }
 
 }  // namespace phyxel

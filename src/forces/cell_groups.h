@@ -21,8 +21,8 @@ struct CellGroups {
         Index3 cell{};
         std::array<std::uint32_t, 8> point;  ///< by octant, `no_index` for none
         std::uint32_t window_begin = 0, window_end = 0;
-        std::uint32_t shape = 0;    ///< groups of equal shape have equal windows, points and, to rounding, gradients
-        std::uint32_t sharing = 1;  ///< how many groups have its shape
+        std::uint32_t shape = 0;   ///< groups of equal shape have equal windows, points and, to rounding, gradients
+        std::uint32_t family = 0;  ///< groups of one family have equal windows and points, and similar gradients
         Law law{};
         std::uint32_t dilatation_cell = no_index;  ///< whose points share their dilatation, if they do
         bool joined = false;                       ///< the dilatation cell has points in other groups, too
@@ -32,10 +32,11 @@ struct CellGroups {
             return 3 * static_cast<std::uint32_t>(law) + (dilatation_cell == no_index ? 0 : joined ? 2 : 1);
         }
     };
-    std::vector<Group> groups;        ///< sorted by cell
-    std::vector<std::uint32_t> node;  ///< [window entries]
-    std::vector<Place> place;         ///< [window entries] ascending in each window
-    std::size_t shapes = 0;
+    std::vector<Group> groups;                 ///< sorted by cell
+    std::vector<std::uint32_t> node;           ///< [window entries]
+    std::vector<Place> place;                  ///< [window entries] ascending in each window
+    std::vector<std::uint32_t> shape_leader;   ///< [shapes] the group whose gradients all others are near to
+    std::vector<std::uint32_t> family_leader;  ///< [families]
 
     std::vector<std::uint32_t> point_slot_begin;  ///< [points] first slot of the stencil block that holds the point
 
@@ -52,7 +53,10 @@ struct CellGroups {
 /// 1e-5. What an end of a prism changes in the gradients fades by a third to a half with every cell, but never ends.
 inline constexpr double close_gradients = 3e-6;
 
-/// Groups within `tolerance` of each other, as `close_gradients`, get one shape.
-CellGroups group_cells(const Model& model, double tolerance, const Threads& threads);
+/// Gradients that differ by less are similar: their differences fit 16 bits (cell_kernel.h).
+inline constexpr double similar_gradients = 2e-3;
+
+/// Groups within `tolerance` of each other, as `close_gradients`, get one shape; without `families` each shape is one.
+CellGroups group_cells(const Model& model, double tolerance, bool families, const Threads& threads);
 
 }  // namespace phyxel

@@ -82,55 +82,60 @@ struct CellKernelBody : CellLaws<S> {
     // --- Pairs ---------------------------------------------------------------------------------------------------
 
     /// Pairs of one point of a chunk. (By value: the compiler must not think that stores could change them.)
+    template <ChunkKind kind>
     struct Pairs {
         const std::uint16_t *entry, *end;
-        const float* gradient;
+        const float* shared;
+        const std::int16_t* difference;
+
+        PHYXEL_INLINE Pairs of(const CellChunk& chunk, std::size_t point) {
+            const std::size_t begin = chunk.pair_begin[point];
+            constexpr std::size_t width = kind == ChunkKind::mixed ? 3 * lanes : 3;
+            return {chunk.entry + begin, chunk.entry + chunk.pair_begin[point + 1], chunk.gradient + width * begin,
+                    chunk.difference + (kind == ChunkKind::similar ? 3 * lanes * begin : 0)};
+        }
+        [[gnu::always_inline]] inline Float gradient(std::size_t axis) const {
+            if constexpr (kind == ChunkKind::mixed) return load(shared + axis * lanes);
+            else if constexpr (kind == ChunkKind::uniform) return splat(shared[axis]);
+            else return splat(shared[axis]) + S::widen(difference + axis * lanes);
+        }
+        [[gnu::always_inline]] inline void next() {
+            ++entry;
+            shared += kind == ChunkKind::mixed ? 3 * lanes : 3;
+            if constexpr (kind == ChunkKind::similar) difference += 3 * lanes;
+        }
     };
 
-    template <bool uniform>
-    PHYXEL_INLINE Pairs pairs_of(const CellChunk& chunk, std::size_t point) {
-        const std::size_t begin = chunk.pair_begin[point];
-        return {chunk.entry + begin, chunk.entry + chunk.pair_begin[point + 1],
-                chunk.gradient + 3 * begin * (uniform ? 1 : lanes)};
-    }
-
-    template <bool uniform>
-    PHYXEL_INLINE Float gradient(const float* g, std::size_t axis) {
-        if constexpr (uniform) return splat(g[axis]);
-        else return load(g + axis * lanes);
-    }
-
     /// H = sum u (x) g over the pairs of a point.
-    template <bool uniform>
-    PHYXEL_INLINE void displacement_gradient(const Pairs& pairs, const float* window, Matrix& H) {
+    template <ChunkKind kind>
+    PHYXEL_INLINE void displacement_gradient(Pairs<kind> pairs, const float* window, Matrix& H) {
         Float h[9] = {};
-        const float* g = pairs.gradient;
-        for (const std::uint16_t* e = pairs.entry; e != pairs.end; ++e, g += uniform ? 3 : 3 * lanes) {
-            const float* u = window + 3 * lanes * *e;
+        for (; pairs.entry != pairs.end; pairs.next()) {
+            const float* u = window + 3 * lanes * *pairs.entry;
             const Float x = load(u), y = load(u + lanes), z = load(u + 2 * lanes);
-            const Float gx = gradient<uniform>(g, 0);
+            const Float gx = pairs.gradient(0);
             h[0] = fma(x, gx, h[0]), h[3] = fma(y, gx, h[3]), h[6] = fma(z, gx, h[6]);
-            const Float gy = gradient<uniform>(g, 1);
+            const Float gy = pairs.gradient(1);
             h[1] = fma(x, gy, h[1]), h[4] = fma(y, gy, h[4]), h[7] = fma(z, gy, h[7]);
-            const Float gz = gradient<uniform>(g, 2);
+            const Float gz = pairs.gradient(2);
             h[2] = fma(x, gz, h[2]), h[5] = fma(y, gz, h[5]), h[8] = fma(z, gz, h[8]);
         }
-        for (int k = 0; k < 9; ++k) H.m[k] = h[k];
+        for (int k = 0; k < 9; ++k) H.m[k] = gradient_unit(kind) * h[k];
     }
 
     /// f += A g over the pairs of a point.
-    template <bool uniform>
-    PHYXEL_INLINE void scatter_stress(const Pairs& pairs, const Matrix& A, float* window) {
-        const Float a[9] = {A.m[0], A.m[1], A.m[2], A.m[3], A.m[4], A.m[5], A.m[6], A.m[7], A.m[8]};
-        const float* g = pairs.gradient;
-        for (const std::uint16_t* e = pairs.entry; e != pairs.end; ++e, g += uniform ? 3 : 3 * lanes) {
-            float* f = window + 3 * lanes * *e;
+    template <ChunkKind kind>
+    PHYXEL_INLINE void scatter_stress(Pairs<kind> pairs, const Matrix& A, float* window) {
+        Float a[9];
+        for (int k = 0; k < 9; ++k) a[k] = gradient_unit(kind) * A.m[k];
+        for (; pairs.entry != pairs.end; pairs.next()) {
+            float* f = window + 3 * lanes * *pairs.entry;
             Float x = load(f), y = load(f + lanes), z = load(f + 2 * lanes);
-            const Float gx = gradient<uniform>(g, 0);
+            const Float gx = pairs.gradient(0);
             x = fma(a[0], gx, x), y = fma(a[3], gx, y), z = fma(a[6], gx, z);
-            const Float gy = gradient<uniform>(g, 1);
+            const Float gy = pairs.gradient(1);
             x = fma(a[1], gy, x), y = fma(a[4], gy, y), z = fma(a[7], gy, z);
-            const Float gz = gradient<uniform>(g, 2);
+            const Float gz = pairs.gradient(2);
             x = fma(a[2], gz, x), y = fma(a[5], gz, y), z = fma(a[8], gz, z);
             store(f, x), store(f + lanes, y), store(f + 2 * lanes, z);
         }
@@ -202,14 +207,13 @@ struct CellKernelBody : CellLaws<S> {
         return sum_of(energy);
     }
 
-    template <bool uniform>
+    template <ChunkKind kind>
     static double run_chunk(const CellChunk& chunk, CellTask task, const Float4* u, Float4* f, float* scratch) {
         Matrix H[8], A[8];
         double energy = 0;
         gather_window(chunk, u, scratch);
         for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point))
-                displacement_gradient<uniform>(pairs_of<uniform>(chunk, point), scratch, H[point]);
+            if (has_point(chunk, point)) displacement_gradient(Pairs<kind>::of(chunk, point), scratch, H[point]);
 
         switch (task) {
             case CellTask::energy:
@@ -247,16 +251,24 @@ struct CellKernelBody : CellLaws<S> {
         float* force = scratch + 3 * lanes * chunk.entries;
         for (float *to = force, *end = force + 3 * lanes * chunk.entries; to != end; to += lanes) store(to, Float{});
         for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point)) scatter_stress<uniform>(pairs_of<uniform>(chunk, point), A[point], force);
+            if (has_point(chunk, point)) scatter_stress(Pairs<kind>::of(chunk, point), A[point], force);
         scatter_window(chunk, force, f);
         return energy;
     }
 
     static double run(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {
         double energy = 0;
-        for (const CellChunk& chunk : chunks)
-            energy += chunk.uniform ? run_chunk<true>(chunk, task, u, f, scratch)
-                                    : run_chunk<false>(chunk, task, u, f, scratch);
+        for (const CellChunk& chunk : chunks) switch (chunk.kind) {
+                case ChunkKind::uniform:
+                    energy += run_chunk<ChunkKind::uniform>(chunk, task, u, f, scratch);
+                    break;
+                case ChunkKind::similar:
+                    energy += run_chunk<ChunkKind::similar>(chunk, task, u, f, scratch);
+                    break;
+                case ChunkKind::mixed:
+                    energy += run_chunk<ChunkKind::mixed>(chunk, task, u, f, scratch);
+                    break;
+            }
         return energy;
     }
 };

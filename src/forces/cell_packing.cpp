@@ -1,6 +1,7 @@
 #include "forces/cell_packing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace phyxel {
@@ -38,10 +39,15 @@ void for_points(const Model& model, const CellGroups& groups, const CellGroups::
     }
 }
 
+static_assert(similar_gradients / double{gradient_unit(ChunkKind::similar)} < 32767);
+
+/// So many groups are worth a chunk of their own.
+std::size_t least_sharing(std::size_t lanes) { return lanes - lanes / 4; }
+
 /// Deals the groups of one block to lanes and lays out what the kernel reads.
 class BlockPacker {
 public:
-    BlockPacker(const Model& model, const CellGroups& groups, std::span<const CellShape> shapes,
+    BlockPacker(const Model& model, const CellGroups& groups, const CellShapes& shapes,
                 std::span<const std::uint32_t> members, std::size_t lanes, CellPoints points, CellBlock& block)
         : m_(model),
           groups_(groups),
@@ -54,68 +60,118 @@ public:
     void run() {
         deal();
         collect_slots();
-        struct Begin {
-            std::size_t slot, entry, gradient;
-        };
-        std::vector<Begin> begins;
         block_.lane_group.assign(chunks_.size() * lanes_, no_index);
+        std::vector<Begin> begins;
         for (std::size_t c = 0; c < chunks_.size(); ++c) {
-            const Lanes& chunk = chunks_[c];
-            CellChunk packed{};
-            packed.uniform = chunk.uniform;
-            packed.law = group(chunk.groups[0]).law;
-            const std::vector<CellGroups::Place> window = joint_window(chunk);
-            packed.entries = static_cast<std::uint32_t>(window.size());
-            begins.push_back({block_.slot.size(), block_.entry.size(), block_.gradient.size()});
-            block_.slot.resize(block_.slot.size() + window.size() * lanes_, 0);
-            std::vector<Vec3f> dense(chunk.uniform ? 0 : 8 * window.size() * lanes_);
-            for (std::size_t lane = 0; lane < chunk.groups.size(); ++lane) {
-                block_.lane_group[c * lanes_ + lane] = chunk.groups[lane];
-                const auto entry_of = add_window(chunk, lane, window, begins[c].slot);
-                if (!chunk.uniform) add_gradients(chunk.groups[lane], entry_of, window.size(), lane, dense);
-            }
-            if (!chunk.uniform)
-                add_pairs(dense, window.size(), lanes_, block_.entry, block_.gradient, packed.pair_begin,
-                          begins[c].entry);
-            if (packed.law == Law::linear) block_.moves = false;
-            block_.chunks.push_back(packed);
+            begins.push_back(
+                {block_.slot.size(), block_.entry.size(), block_.gradient.size(), block_.difference.size()});
+            pack(c, begins.back());
         }
         block_.gradient.shrink_to_fit();
-        for (std::size_t c = 0; c < chunks_.size(); ++c) {
-            CellChunk& chunk = block_.chunks[c];
-            chunk.slot = block_.slot.data() + begins[c].slot;
-            if (chunk.uniform) {
-                const CellShape& shape = shapes_[group(chunks_[c].groups[0]).shape];
-                chunk.pair_begin = shape.pair_begin;
-                chunk.entry = shape.entry.data();
-                chunk.gradient = shape.gradient.data();
-            } else {
-                chunk.entry = block_.entry.data() + begins[c].entry;
-                chunk.gradient = block_.gradient.data() + begins[c].gradient;
-            }
-        }
+        block_.difference.shrink_to_fit();
+        for (std::size_t c = 0; c < chunks_.size(); ++c) point_into_block(block_.chunks[c], chunks_[c], begins[c]);
     }
 
 private:
-    /// Chunks of groups: `uniform` ones first.
+    /// Groups of a chunk.
     struct Lanes {
         std::vector<std::uint32_t> groups;
-        bool uniform;
+        ChunkKind kind;
+    };
+    /// Where a chunk's parts begin in the block's vectors.
+    struct Begin {
+        std::size_t slot, entry, gradient, difference;
     };
     const CellGroups::Group& group(std::uint32_t g) const { return groups_.groups[g]; }
 
-    void deal() {
-        std::vector<std::uint32_t> rest;
-        for (std::size_t begin = 0, end; begin < members_.size(); begin = end) {
-            end = begin + 1;
-            while (end < members_.size() && group(members_[end]).shape == group(members_[begin]).shape) ++end;
-            const std::size_t least = group(members_[begin]).joined ? members_.size() + 1 : lanes_ - lanes_ / 4;
-            for (; end - begin >= least; begin += std::min(lanes_, end - begin)) {
-                const auto first = members_.begin() + static_cast<std::ptrdiff_t>(begin);
-                chunks_.push_back({{first, first + static_cast<std::ptrdiff_t>(std::min(lanes_, end - begin))}, true});
+    /// What the chunk's lanes share; nothing for mixed chunks.
+    const CellShape* shape_of(const Lanes& chunk) const {
+        const CellGroups::Group& first = group(chunk.groups[0]);
+        if (chunk.kind == ChunkKind::mixed) return nullptr;
+        return chunk.kind == ChunkKind::uniform ? &shapes_.exact[first.shape] : &shapes_.similar[first.family];
+    }
+
+    void pack(std::size_t c, const Begin& begin) {
+        Lanes& chunk = chunks_[c];
+        CellChunk packed{};
+        packed.law = group(chunk.groups[0]).law;
+        const std::vector<CellGroups::Place> window = joint_window(chunk);
+        packed.entries = static_cast<std::uint32_t>(window.size());
+        block_.slot.resize(block_.slot.size() + window.size() * lanes_, 0);
+        std::vector<Vec3f> dense(chunk.kind == ChunkKind::uniform ? 0 : 8 * window.size() * lanes_);
+        for (std::size_t lane = 0; lane < chunk.groups.size(); ++lane) {
+            block_.lane_group[c * lanes_ + lane] = chunk.groups[lane];
+            const auto entry_of = add_window(chunk, lane, window, begin.slot);
+            if (!dense.empty()) add_gradients(chunk.groups[lane], entry_of, window.size(), lane, dense);
+        }
+        if (chunk.kind == ChunkKind::similar &&
+            !add_differences(*shape_of(chunk), chunk.groups.size(), dense, window.size()))
+            chunk.kind = ChunkKind::mixed;
+        packed.kind = chunk.kind;
+        if (chunk.kind == ChunkKind::mixed)
+            add_pairs(dense, window.size(), lanes_, block_.entry, block_.gradient, packed.pair_begin, begin.entry);
+        if (packed.law == Law::linear) block_.moves = false;
+        block_.chunks.push_back(packed);
+    }
+
+    void point_into_block(CellChunk& packed, const Lanes& chunk, const Begin& begin) const {
+        packed.slot = block_.slot.data() + begin.slot;
+        if (const CellShape* shape = shape_of(chunk)) {
+            packed.pair_begin = shape->pair_begin;
+            packed.entry = shape->entry.data();
+            packed.gradient = shape->gradient.data();
+            if (chunk.kind == ChunkKind::similar) packed.difference = block_.difference.data() + begin.difference;
+        } else {
+            packed.entry = block_.entry.data() + begin.entry;
+            packed.gradient = block_.gradient.data() + begin.gradient;
+        }
+    }
+
+    /// What the gradients of the lanes differ from the shared ones by; false, and nothing done, where a lane sees a
+    /// node that these leave out.
+    bool add_differences(const CellShape& shape, std::size_t filled, const std::vector<Vec3f>& dense,
+                         std::size_t entries) {
+        std::vector<std::int16_t> differences(shape.gradient.size() * lanes_);
+        std::size_t seen = 0;
+        const auto is_seen = [](const Vec3f& g) { return !(g == Vec3f{}); };
+        for (std::size_t point = 0; point < 8; ++point)
+            for (std::uint32_t p = shape.pair_begin[point]; p < shape.pair_begin[point + 1]; ++p) {
+                const Vec3f* g = &dense[(point * entries + shape.entry[p]) * lanes_];
+                seen += static_cast<std::size_t>(std::count_if(g, g + lanes_, is_seen));
+                for (std::size_t c = 3 * p; c < 3 * p + 3; ++c)
+                    for (std::size_t lane = 0; lane < filled; ++lane)
+                        differences[c * lanes_ + lane] = static_cast<std::int16_t>(
+                            std::lround(g[lane][c - 3 * p] / gradient_unit(ChunkKind::similar) - shape.gradient[c]));
             }
-            rest.insert(rest.end(), members_.begin() + static_cast<std::ptrdiff_t>(begin),
-                        members_.begin() + static_cast<std::ptrdiff_t>(end));
+        if (seen != static_cast<std::size_t>(std::count_if(dense.begin(), dense.end(), is_seen))) return false;
+        block_.difference.insert(block_.difference.end(), differences.begin(), differences.end());
+        return true;
+    }
+
+    /// Takes chunks of groups that agree in `number` out of `members`; returns what is left.
+    std::vector<std::uint32_t> deal_alike(std::span<const std::uint32_t> members,
+                                          std::uint32_t CellGroups::Group::*number, ChunkKind kind) {
+        std::vector<std::uint32_t> rest;
+        for (std::size_t begin = 0, end; begin < members.size(); begin = end) {
+            const CellGroups::Group& first = group(members[begin]);
+            end = begin + 1;
+            while (end < members.size() && group(members[end]).*number == first.*number) ++end;
+            for (; !first.joined && end - begin >= least_sharing(lanes_); begin += std::min(lanes_, end - begin)) {
+                const auto alike = members.subspan(begin, std::min(lanes_, end - begin));
+                chunks_.push_back({{alike.begin(), alike.end()}, kind});
+            }
+            rest.insert(rest.end(), members.begin() + static_cast<std::ptrdiff_t>(begin),
+                        members.begin() + static_cast<std::ptrdiff_t>(end));
+        }
+        return rest;
+    }
+
+    void deal() {
+        std::vector<std::uint32_t> rest = deal_alike(members_, &CellGroups::Group::shape, ChunkKind::uniform);
+        if (!shapes_.similar.empty()) {
+            std::stable_sort(rest.begin(), rest.end(),
+                             [&](std::uint32_t a, std::uint32_t b) { return group(a).family < group(b).family; });
+            rest = deal_alike(rest, &CellGroups::Group::family, ChunkKind::similar);
         }
         // Windows of one size lie together, so that few lanes wait for entries that others have; parts of one
         // dilatation cell in one chunk.
@@ -131,12 +187,13 @@ private:
             end = begin + 1;
             while (first.joined && end < rest.size() && group(rest[end]).dilatation_cell == first.dilatation_cell)
                 ++end;
-            const bool fits = !chunks_.empty() && !chunks_.back().uniform &&
+            const bool fits = !chunks_.empty() && chunks_.back().kind == ChunkKind::mixed &&
                               group(chunks_.back().groups[0]).kind() == first.kind() &&
                               chunks_.back().groups.size() + (end - begin) <= lanes_;
-            if (!fits) chunks_.push_back({{}, false});
+            if (!fits) chunks_.push_back({{}, ChunkKind::mixed});
             for (std::size_t i = begin; i < end; ++i) {
-                if (chunks_.back().groups.size() == lanes_) chunks_.push_back({{}, false}), block_.complete = false;
+                if (chunks_.back().groups.size() == lanes_)
+                    chunks_.push_back({{}, ChunkKind::mixed}), block_.complete = false;
                 chunks_.back().groups.push_back(rest[i]);
             }
         }
@@ -192,7 +249,7 @@ private:
 
     const Model& m_;
     const CellGroups& groups_;
-    std::span<const CellShape> shapes_;
+    const CellShapes& shapes_;
     std::span<const std::uint32_t> members_;
     std::size_t lanes_;
     CellPoints points_;
@@ -200,9 +257,8 @@ private:
     std::vector<Lanes> chunks_;
 };
 
-}  // namespace
-
-CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group, CellPoints points) {
+CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGroups::Group& group, CellPoints points,
+                     float unit) {
     CellShape shape;
     const std::size_t entries = groups.window_size(group);
     std::vector<Vec3f> dense(8 * entries);
@@ -211,10 +267,31 @@ CellShape pack_shape(const Model& model, const CellGroups& groups, const CellGro
         for (std::size_t e = 0; e < entries; ++e) dense[point * entries + e] = vector_cast<float>(spread[e]);
     });
     add_pairs(dense, entries, 1, shape.entry, shape.gradient, shape.pair_begin, 0);
+    for (float& g : shape.gradient) g /= unit;
     return shape;
 }
 
-CellBlock pack_block(const Model& model, const CellGroups& groups, std::span<const CellShape> shapes,
+}  // namespace
+
+CellShapes pack_shapes(const Model& model, const CellGroups& groups, std::size_t lanes, CellPoints points,
+                       const Threads& threads) {
+    const auto pack = [&](std::span<const std::uint32_t> leaders, std::uint32_t CellGroups::Group::*number,
+                          ChunkKind kind) {
+        std::vector<std::size_t> sharing(leaders.size());
+        if (!leaders.empty())
+            for (const CellGroups::Group& group : groups.groups) ++sharing[group.*number];
+        std::vector<CellShape> shapes(leaders.size());
+        threads.for_each(shapes.size(), 16, [&](std::size_t s) {
+            if (sharing[s] >= least_sharing(lanes))
+                shapes[s] = pack_shape(model, groups, groups.groups[leaders[s]], points, gradient_unit(kind));
+        });
+        return shapes;
+    };
+    return {pack(groups.shape_leader, &CellGroups::Group::shape, ChunkKind::uniform),
+            pack(groups.family_leader, &CellGroups::Group::family, ChunkKind::similar)};
+}
+
+CellBlock pack_block(const Model& model, const CellGroups& groups, const CellShapes& shapes,
                      std::span<const std::uint32_t> members, std::size_t lanes, CellPoints points) {
     CellBlock block;
     BlockPacker(model, groups, shapes, members, lanes, points, block).run();

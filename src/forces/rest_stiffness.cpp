@@ -18,7 +18,7 @@ CellPoints points_for(const Model& m) {
 }  // namespace
 
 RestStiffness::RestStiffness(const Model& m, const Threads& threads)
-    : cells_(m, threads, shared_gradients, best_instructions(), points_for(m)), filter_(m) {}
+    : cells_(m, threads, {.tolerance = shared_gradients, .points = points_for(m)}), filter_(m) {}
 
 void RestStiffness::apply(const Model& m, std::span<const Vec3f> d, const Threads& threads, std::span<Vec3f> out) {
     cells_.rest_action(m, d, threads, out);

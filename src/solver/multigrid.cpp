@@ -13,9 +13,8 @@ namespace {
 constexpr std::size_t dense_nodes = 120;  ///< below which a Cholesky factor is cheaper than another level
 constexpr int power_iterations = 20;
 
-/// Degree of the smoothing polynomial and the share of the spectrum, from the top down, that it works on.
-int smoothing_degree(std::size_t nodes) { return nodes <= 5000 ? 1 : nodes <= 20000 ? 2 : 3; }
-double smoothing_range(int degree) { return degree == 1 ? 4 : degree == 2 ? 8 : 14; }
+/// Share of the spectrum, from the top down, that a smoothing step damps as evenly as one can.
+constexpr double smoothed_share = 0.75;
 
 /// To eight binary digits: steps whose lengths differ by rounding share their operators.
 double rounded(double weight) {
@@ -83,7 +82,6 @@ RestMultigrid::RestMultigrid(RestMultigrid&&) noexcept = default;
 RestMultigrid::RestMultigrid(const Model& model, const Constraints& constraints, const Threads& threads)
     : model_(model), free_(constraints.free_components(model.rest.size())) {
     if (RestStiffness::applies_to(model)) fast_ = std::make_unique<RestStiffness>(model, threads);
-    degree_ = smoothing_degree(model.rest.size());
     diagonal_ = stiffness_diagonal(model, threads);
     std::vector<Vec3> places = places_of_nodes(model);
     Level fine;
@@ -268,31 +266,15 @@ void RestMultigrid::multiply(std::size_t l, const std::vector<Vec3f>& d, std::ve
     level.patches.add_action(d, out);
 }
 
-/// Chebyshev polynomial in D^-1 A over [largest/range, largest] (Saad, Iterative Methods for Sparse Linear Systems,
-/// algorithm 12.1): adds to x what it makes of the residual r, which it updates but for the last change d.
+/// A step of damped block Jacobi: adds d = omega D^-1 r to x.
 void RestMultigrid::smooth(std::size_t l, bool from_zero, const Threads& threads) {
     Level& level = levels_[l];
-    const int degree = l == 0 ? degree_ : std::min(degree_, 2);
-    const double high = level.largest, low = high / smoothing_range(degree);
-    const double middle = 0.5 * (high + low), half = 0.5 * (high - low), sigma = middle / half;
-    double rho = 1 / sigma;
-    for (int k = 0; k < degree; ++k) {
-        double keep = 0, take = 1 / middle;
-        if (k > 0) {
-            multiply(l, level.d, level.t, threads);
-            add_scaled(level.r, -1.0f, level.t, threads);
-            const double next = 1 / (2 * sigma - rho);
-            keep = next * rho, take = 2 * next / half;
-            rho = next;
-        }
-        level.jacobi.apply(level.r, level.t, threads);
-        const bool first = k == 0 && from_zero;
-        const auto old = static_cast<float>(keep), fresh = static_cast<float>(take);
-        threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
-            level.d[i] = old * (k > 0 ? level.d[i] : Vec3f{}) + fresh * level.t[i];
-            level.x[i] = first ? level.d[i] : level.x[i] + level.d[i];
-        });
-    }
+    const auto omega = static_cast<float>(2 / ((2 - smoothed_share) * level.largest));
+    level.jacobi.apply(level.r, level.d, threads);
+    threads.for_each(level.nodes, node_chunk, [&](std::size_t i) {
+        level.d[i] *= omega;
+        level.x[i] = from_zero ? level.d[i] : level.x[i] + level.d[i];
+    });
 }
 
 void RestMultigrid::cycle(std::size_t l, const Threads& threads) {

@@ -11,8 +11,8 @@
 namespace phyxel {
 
 /// Approximate inverse of A = s K(rest) + c M + penalties by one V-cycle of geometric multigrid: lattices of twice,
-/// four times ... the spacing with trilinear interpolation and Galerkin operators, smoothed by Chebyshev polynomials
-/// over block Jacobi, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and positive
+/// four times ... the spacing with trilinear interpolation and Galerkin operators, smoothed by a step of damped block
+/// Jacobi before and after, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and positive
 /// definite. Held components stay zero.
 ///
 /// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedPreconditioner`).
@@ -53,7 +53,6 @@ private:
     std::vector<Level> levels_;   ///< [0] the nodes themselves
     std::unique_ptr<CoarseFactor> factor_;
     double stiffness_ = 0, inertia_ = -1;
-    int degree_ = 1;
     ForceWorkspace work_;  ///< where the stiffness is in double
     std::vector<Vec3> wide_d_, wide_out_;
 };

@@ -61,6 +61,9 @@ double error_of(const CellBlocks& blocks, const Model& m, std::span<const Vec3> 
     return largest_difference(float_forces(blocks, m, x), exact) / largest(exact);
 }
 
+/// As a body is built whose gradients the cache does not hold.
+const CellOptions large_body = {.cached_gradients = 0};
+
 constexpr Instructions all_instructions[] = {Instructions::plain, Instructions::avx2, Instructions::avx512};
 
 TEST(CellBlocks, forces_are_those_in_double_precision) {
@@ -70,10 +73,13 @@ TEST(CellBlocks, forces_are_those_in_double_precision) {
             if (instructions > best_instructions()) continue;
             for (const auto& [law, material] : all_laws()) {
                 set_material(m, material);
-                const CellBlocks blocks(m, threads, close_gradients, instructions);
-                const double error = error_of(blocks, m, turned_stretched_and_shaken(m));
-                EXPECT_LE(error, 1e-5) << name << ", " << law;
-                worst = std::max(worst, error);
+                const auto x = turned_stretched_and_shaken(m);
+                for (const std::size_t cached : {CellOptions{}.cached_gradients, large_body.cached_gradients}) {
+                    const CellBlocks blocks(m, threads, {.instructions = instructions, .cached_gradients = cached});
+                    const double error = error_of(blocks, m, x);
+                    EXPECT_LE(error, 1e-5) << name << ", " << law;
+                    worst = std::max(worst, error);
+                }
             }
         }
     measured("force against double precision", worst);
@@ -99,13 +105,14 @@ TEST(CellBlocks, energy_is_that_in_double_precision) {
     for (auto [name, m] : bodies())
         for (const auto& [law, material] : all_laws()) {
             set_material(m, material);
-            const CellBlocks blocks(m, threads);
             ForceWorkspace work;
             const auto x = turned_stretched_and_shaken(m);
             const double exact = elastic_energy(m, x, work, threads);
-            const double error = std::abs(blocks.energy(m, x, threads) / exact - 1);
-            EXPECT_LE(error, 1e-6) << name << ", " << law;
-            worst = std::max(worst, error);
+            for (const CellOptions& options : {CellOptions{}, large_body}) {
+                const double error = std::abs(CellBlocks(m, threads, options).energy(m, x, threads) / exact - 1);
+                EXPECT_LE(error, 1e-6) << name << ", " << law;
+                worst = std::max(worst, error);
+            }
         }
     measured("energy against double precision", worst);
 }
@@ -180,7 +187,7 @@ TEST(CellBlocks, inverted_flattened_and_collapsed_bodies_give_finite_forces) {
 
 TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
     for (const auto& [name, m] : bodies()) {
-        const CellBlocks blocks(m, threads);
+        const CellBlocks blocks(m, threads, large_body);
         const auto x = turned_stretched_and_shaken(m), f = float_forces(blocks, m, x);
         const double energy = blocks.energy(m, x, threads);
         std::vector<Vec3f> d, Kd(x.size());
@@ -188,7 +195,7 @@ TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
         blocks.rest_action(m, d, threads, Kd);
         for (const int count : {1, 3, 8}) {
             const Threads other(count);
-            const CellBlocks again(m, other);
+            const CellBlocks again(m, other, large_body);
             std::vector<Vec3f> Kd_again(x.size());
             again.rest_action(m, d, other, Kd_again);
             EXPECT_TRUE(f == float_forces(again, m, x, other)) << name << ", " << count << " threads";
@@ -200,7 +207,7 @@ TEST(CellBlocks, are_the_same_for_any_number_of_threads) {
 
 TEST(CellBlocks, a_loose_tolerance_changes_little_and_keeps_linear_fields) {
     const Model m = beam();
-    const CellBlocks exact(m, threads), loose(m, threads, 1e-2);
+    const CellBlocks exact(m, threads), loose(m, threads, {.tolerance = 1e-2});
     EXPECT_GE(loose.counts().uniform_chunks, 2 * exact.counts().uniform_chunks);
     EXPECT_LE(error_of(loose, m, turned_stretched_and_shaken(m)), 0.02);
     const auto x = affine(m, some_stretch());
@@ -212,6 +219,15 @@ TEST(CellBlocks, deep_cells_share_their_gradients) {
     const CellBlocks blocks(m, threads);
     EXPECT_EQ(blocks.counts().groups, 1728u);
     EXPECT_GE(blocks.counts().uniform_chunks, 8u);
+}
+
+TEST(CellBlocks, cells_of_a_large_body_share_what_is_similar_and_take_a_quarter_less_memory) {
+    const Model m = thick_box();
+    const CellBlocks small(m, threads), large(m, threads, large_body);
+    EXPECT_EQ(small.counts().similar_chunks, 0u);
+    EXPECT_EQ(large.counts().uniform_chunks, small.counts().uniform_chunks);
+    EXPECT_GE(2 * large.counts().similar_chunks, large.counts().chunks);
+    EXPECT_LE(static_cast<double>(large.counts().bytes), 0.75 * static_cast<double>(small.counts().bytes));
 }
 
 }  // namespace
