@@ -19,7 +19,7 @@ enum class Tangent {
 
 /// Of the internal forces while an implicit step is looked for.
 enum class SolverPrecision {
-    single,  ///< default: its rounding is far below the tolerance, and it is ten times as fast
+    single,  ///< default: ten times as fast; tolerances below 1e-5, where its rounding would be felt, take `full`
     full,
 };
 

@@ -35,6 +35,15 @@ std::vector<Vec3> past(const Difference& d, std::span<const Vec3> now, std::span
     return result;
 }
 
+/// Tolerances below which single precision's rounding is in the way: a hundredth of a millimetre for a beam that falls
+/// by a metre. At 1e-6 L-BFGS would end in it, and the step would fail.
+constexpr double least_single_tolerance = 1e-5;
+
+SolverPrecision precision_of(const SolverSettings& settings) {
+    const bool fine = settings.tolerance > 0 && settings.tolerance < least_single_tolerance;
+    return fine ? SolverPrecision::full : settings.precision;
+}
+
 /// Elastic and stabilization energy [J], in the precision of the step's forces: rounding does not add up over steps.
 double stored_energy(DynamicBody& b, const Threads& threads) {
     if (b.fast_forces) return b.fast_forces->energy(b.model, b.state.x, threads);
@@ -98,7 +107,7 @@ private:
 
 BodyStep::BodyStep(DynamicBody& b, const Surroundings& around, ImplicitScheme scheme, double start, double dt,
                    const Threads& threads)
-    : potential(b, around, around.solver.precision, threads),
+    : potential(b, around, precision_of(around.solver), threads),
       b_(b),
       around_(around),
       start_(start),
