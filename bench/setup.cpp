@@ -129,7 +129,10 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
     body.surface.emplace(
         timed([&] { return EmbeddedSurface(body.model, checked.mesh, vertex_normals(checked.mesh), threads); }));
     timed([&] { return estimate_rest_step(body, around, threads), 0; });
-    body.contact.emplace(timed([&] { return ContactSamples(body.model, checked.mesh, body.rest_step, threads); }));
+    body.contact.emplace(timed([&] {
+        return ContactSamples(body.model, contact_surface(body.model, checked.mesh, threads), body.rest_step,
+                                     threads);
+    }));
     timed([&] { return leap_frog(body, around, 0, body.rest_step, 1, threads), 0; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -82,6 +83,12 @@ struct BodySettings {
     bool consistency_correction = true;  ///< exact patch test on clipped cells (docs/stages/consistency.md)
     double friction = 0.5;               ///< Coulomb coefficient against other bodies: sqrt(mu_1 mu_2) between two
     double stabilization = -1;           ///< strength; -1: 0.2 with grid quadrature, 0.15 with nodes; 0: none
+
+    /// Meets colliders and other bodies in place of the body's own surface; in the coordinates of the mesh, and carried
+    /// by the nodes as it is. Lies inside of the body, or outside by less than the kernel's support. An open one has no
+    /// inside: its points are kept out of other bodies, theirs are not kept out of it.
+    std::optional<TriangleMesh> contact_mesh{};
+    std::string name{};  ///< what messages call the body; empty: its number in the world
 };
 
 /// A body's name in its world: an index and a generation, so that a removed body's id is never taken for another's.

@@ -32,7 +32,7 @@ void BodyContact::find(const std::vector<Vec3>& x, const std::vector<Vec3>& star
     for (const Side& side : sides_) places.push_back(sample_places(side, own(side), threads));
     for (std::uint32_t s = 0; s < sides_.size(); ++s)
         for (std::uint32_t o = 0; o < sides_.size(); ++o) {
-            if (s == o) continue;
+            if (s == o || !sides_[o].surface->has_inside()) continue;
             const std::span<const std::uint32_t> apart = sides_[s].apart;
             if (!std::binary_search(apart.begin(), apart.end(), sides_[o].number))
                 find_between(s, o, motion, places, x, threads);

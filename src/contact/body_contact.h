@@ -13,10 +13,10 @@ struct BodyStick {
 
 /// Contact of bodies with each other, in one implicit step.
 ///
-/// Every sample of each body is held against the surface of each other: d = n . (x_s - y), y the nearest point of that
-/// surface, carried by its nodes as the sample is by its own, and n the outward direction there. Both are found by
-/// `find` and kept until the next, so that what a pair stores, k/2 min(0, d)^2, is a smooth function of the positions
-/// of both bodies' nodes, and its forces sum to zero. The springs of both bodies act in series.
+/// Every sample of each body is held against the surface of each other that has an inside: d = n . (x_s - y), y the
+/// nearest point of that surface, carried by its nodes as the sample is by its own, and n the outward direction there.
+/// Both are found by `find` and kept until the next, so that what a pair stores, k/2 min(0, d)^2, is a smooth function
+/// of the positions of both bodies' nodes, and its forces sum to zero. The springs of both bodies act in series.
 ///
 /// Friction: springs along the surface, no stronger than mu times the normal force that was last found, mu = sqrt(mu_1
 /// mu_2). Their stretch outlasts the step.

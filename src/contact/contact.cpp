@@ -5,18 +5,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "geometry/refined_mesh.h"
-#include "surface/embedded_surface.h"
-
 namespace phyxel {
 namespace {
 
 constexpr int friction_sweeps = 10;        ///< of Gauss-Seidel; a body at rest or sliding needs two or three
 constexpr double friction_settled = 1e-3;  ///< largest change of slip in a sweep, against the first, that ends them
 constexpr int group_edge = 4;              ///< boxes of the lattice along the edge of a group of samples
-
-/// Edges of the surface are no longer than this share of the lattice's boxes.
-constexpr double longest_edge = 0.75;
 
 /// Order of the samples in which those of one group of boxes follow each other; fills in where the groups begin and
 /// end.
@@ -39,24 +33,21 @@ std::vector<std::uint32_t> sort_by_place(const Sampling& s, std::span<const std:
 
 }  // namespace
 
-ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, double stable_step, const Threads& threads)
-    : node_inverse_mass_(model.inverse_mass), step_squared_(stable_step * stable_step) {
+ContactSamples::ContactSamples(const Model& model, const ContactSurface& surface, double stable_step,
+                               const Threads& threads)
+    : has_inside_(surface.has_inside),
+      node_inverse_mass_(model.inverse_mass),
+      step_squared_(stable_step * stable_step) {
     const Sampling& s = model.sampling;
-    const TriangleMesh fine = refined(to_lattice(mesh, s.frame), longest_edge * s.pitch);
-    const std::vector<Vec3> normals = vertex_normals(fine);
-    std::vector<std::uint32_t> cells;
-    for (std::size_t v = 0; v < fine.vertices.size(); ++v) cells.push_back(s.locate(fine.vertices[v], normals[v]));
-
-    // In the order of the groups.
-    const std::vector<std::uint32_t> order = sort_by_place(s, cells, groups_);
+    const std::vector<std::uint32_t> order = sort_by_place(s, surface.cells, groups_);
     std::vector<Vec3> positions;
     std::vector<std::uint32_t> sorted_cells, sample(order.size());
     for (std::uint32_t v : order) {
         sample[v] = static_cast<std::uint32_t>(positions.size());
-        positions.push_back(fine.vertices[v]);
-        sorted_cells.push_back(cells[v]);
+        positions.push_back(surface.mesh.vertices[v]);
+        sorted_cells.push_back(surface.cells[v]);
     }
-    std::vector<Triangle> triangles = fine.triangles;
+    std::vector<Triangle> triangles = surface.mesh.triangles;
     for (Triangle& t : triangles) t = {sample[t[0]], sample[t[1]], sample[t[2]]};
     surface_ = MovingSurface(std::move(triangles), positions.size());
     samples_ = embed(s, model.approximation, positions, sorted_cells, Gradients::no, threads);
@@ -84,6 +75,13 @@ ContactSamples::ContactSamples(const Model& model, const TriangleMesh& mesh, dou
         inverse_mass_.push_back(w);
         own_inverse_mass_.push_back(own);
     }
+}
+
+void ContactSamples::add_to(Hasher& hasher) const {
+    hasher.add_value(has_inside_);
+    hasher.add_values(std::span<const Triangle>(surface_.triangles()));
+    hasher.add_values(std::span<const std::uint32_t>(samples_.node));
+    hasher.add_values(std::span<const double>(samples_.phi));
 }
 
 Bounds ContactSamples::reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x) {

@@ -5,14 +5,14 @@
 
 #include "approximation/embedded_points.h"
 #include "contact/collider.h"
+#include "contact/contact_surface.h"
 #include "contact/friction_spring.h"
 #include "contact/moving_surface.h"
 #include "model/model.h"
 
 namespace phyxel {
 
-/// Points of a body's surface that meet obstacles: the vertices of its mesh, refined where triangles are large against
-/// the spacing, so that a long face bends as its body does.
+/// Points of a body that meet obstacles: the vertices of its contact surface.
 ///
 /// Each sample inside an obstacle stores k/2 d^2, d its signed distance. (A contact that began at a distance would
 /// throw up a body placed exactly on a floor.) The stiffness is as large as explicit steps allow, k_s = beta / (dt^2
@@ -25,7 +25,9 @@ namespace phyxel {
 /// of two layers on a slope below the friction angle crept at 4 cm/s.)
 class ContactSamples {
 public:
-    ContactSamples(const Model& model, const TriangleMesh& mesh, double stable_step, const Threads& threads);
+    static constexpr double explicit_share = 0.5;  ///< beta; the bound is 4, less what elasticity takes
+
+    ContactSamples(const Model& model, const ContactSurface& surface, double stable_step, const Threads& threads);
 
     /// A sample inside of an obstacle.
     struct Touch {
@@ -43,10 +45,10 @@ public:
     void add_friction(std::span<const Collider> colliders, std::span<const Touch> touches, double dt, std::span<Vec3> v,
                       std::span<Vec3> impulse) const;
 
-    // --- implicit and static solvers
-
     /// Changes the stiffness of the samples to k_s = share / (step^2 w_s).
     void set_stiffness(double share, double step) { stiffness_share_ = share, step_squared_ = step * step; }
+
+    // --- implicit and static solvers
 
     /// Adds the second derivative of the contact energy applied to `d`, k n n^T of each of `touches` (the curvature of
     /// obstacles is left out, so that it is never negative).
@@ -82,6 +84,8 @@ public:
 
     /// The refined surface; its vertices are the samples.
     const MovingSurface& surface() const { return surface_; }
+    /// Whether it keeps the samples of others out.
+    bool has_inside() const { return has_inside_; }
     const EmbeddedPoints& samples() const { return samples_; }
     double stiffness(std::size_t sample) const { return stiffness_share_ / (step_squared_ * inverse_mass_[sample]); }
     /// Of a sample that is pressed on by others with an effective inverse mass `w` [1/kg].
@@ -98,6 +102,9 @@ public:
 
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
     double deepest(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
+
+    /// Adds the surface and what carries it to a hash.
+    void add_to(Hasher& hasher) const;
 
     /// Stored energy [J].
     double energy(std::span<const Collider> colliders, std::span<const Vec3> x, const Threads& threads) const;
@@ -125,12 +132,13 @@ private:
 
     EmbeddedPoints samples_;  ///< in the order of the groups
     MovingSurface surface_;
+    bool has_inside_;
     std::vector<Group> groups_;
     std::vector<double> inverse_mass_;       ///< [samples] w_s [1/kg]
     std::vector<double> own_inverse_mass_;   ///< [samples] sum phi^2/m, that of the sample alone [1/kg]
     std::vector<double> node_inverse_mass_;  ///< [nodes] [1/kg]
-    double stiffness_share_ = 0.5;           ///< beta; the explicit bound is 4, less what elasticity takes
-    double step_squared_ = 0;                ///< dt^2 of the stiffness [s^2]
+    double stiffness_share_ = explicit_share;
+    double step_squared_ = 0;  ///< dt^2 of the stiffness [s^2]
 };
 
 }  // namespace phyxel

@@ -23,22 +23,25 @@ TriangleMesh make_shape(const SphereShape& sphere) { return make_sphere(sphere.r
 TriangleMesh make_shape(const CylinderShape& cylinder) { return make_cylinder(cylinder.radius, cylinder.height); }
 TriangleMesh make_shape(const TorusShape& torus) { return make_torus(torus.major, torus.minor); }
 
-TriangleMesh load_surface(const Scene& scene, const SceneBody& body) {
-    if (const auto* shape = std::get_if<Shape>(&body.surface))
-        return std::visit([](const auto& s) { return make_shape(s); }, *shape);
-    const MeshFile& file = std::get<MeshFile>(body.surface);
+TriangleMesh load(const Scene& scene, const MeshFile& file) {
     return read_mesh(scene.text->path().parent_path() / file.path, file.part);
 }
 
-/// The body's settings with the meshes of its regions, in rest space.
+TriangleMesh load_surface(const Scene& scene, const SceneBody& body) {
+    if (const auto* shape = std::get_if<Shape>(&body.surface))
+        return std::visit([](const auto& s) { return make_shape(s); }, *shape);
+    return load(scene, std::get<MeshFile>(body.surface));
+}
+
+/// The body's settings with its contact surface and with the meshes of its regions, these in rest space.
 BodySettings complete_settings(const Scene& scene, const SceneBody& body) {
     BodySettings settings = body.settings;
+    if (body.contact_mesh)
+        settings.contact_mesh = at(scene, body.contact_place, [&] { return load(scene, *body.contact_mesh); });
     for (std::size_t r = 0; r < body.regions.size(); ++r) {
         const SceneRegion& region = body.regions[r];
         if (!region.mesh) continue;
-        TriangleMesh mesh = at(scene, region.place, [&] {
-            return read_mesh(scene.text->path().parent_path() / region.mesh->path, region.mesh->part);
-        });
+        const TriangleMesh mesh = at(scene, region.place, [&] { return load(scene, *region.mesh); });
         settings.regions[r].shape =
             placed(mesh, {.scale = region.scale, .rotation = region.rotation, .translation = region.translation});
     }
@@ -47,6 +50,7 @@ BodySettings complete_settings(const Scene& scene, const SceneBody& body) {
 
 /// What a body is refused for is told by the words of the message alone: its mesh, its spacing, or anything else.
 const Place& place_of(const SceneBody& body, std::string_view message) {
+    if (message.find("contact_mesh") != message.npos) return body.contact_place;
     if (message.find("cannot be simulated") != message.npos) return body.surface_place;
     if (message.find("spacing of") != message.npos) return body.sampling_place;
     return body.place;

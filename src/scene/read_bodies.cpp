@@ -43,6 +43,13 @@ std::variant<MeshFile, Shape> read_surface(const TableReader& reader) {
     return MeshFile{*reader.string("mesh"), reader.string("part").value_or("")};
 }
 
+std::optional<MeshFile> read_contact_mesh(const TableReader& reader) {
+    const std::optional<std::string> path = reader.string("contact_mesh");
+    if (path) return MeshFile{*path, reader.string("contact_part").value_or("")};
+    if (reader.has("contact_part")) reader.fail("contact_part", "belongs to 'contact_mesh' only; remove it");
+    return {};
+}
+
 std::optional<TableReader> sampling_table(const TableReader& body) {
     return body.table("sampling", {"nodes", "spacing", "count", "rotation", "offset"});
 }
@@ -122,9 +129,11 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
     SceneBody body;
     body.name = names.take(reader);
     body.surface = read_surface(reader);
+    body.contact_mesh = read_contact_mesh(reader);
     body.material = reference(reader, "material", materials);
 
     BodySettings& settings = body.settings;
+    settings.name = body.name;
     settings.material = materials[body.material].material;
     settings.scale = reader.number("scale", above(0)).value_or(settings.scale);
     settings.rotation = reader.rotation("rotation").value_or(settings.rotation);
@@ -144,6 +153,7 @@ SceneBody read_body(const TableReader& reader, const std::vector<SceneMaterial>&
     body.place = reader.place();
     body.surface_place = reader.place(reader.has("mesh") ? "mesh" : "shape");
     body.sampling_place = sampling_place(reader);
+    body.contact_place = reader.place("contact_mesh");
     return body;
 }
 
@@ -153,9 +163,9 @@ std::vector<SceneBody> read_bodies(const TableReader& root, const std::vector<Sc
     std::vector<SceneBody> bodies;
     Names names("body");
     for (const TableReader& reader :
-         root.list("body", {"name", "mesh", "part", "shape", "material", "scale", "rotation", "translation", "velocity",
-                            "sampling", "quadrature", "kernel", "region", "mean_dilatation", "consistency",
-                            "stabilization", "friction"}))
+         root.list("body", {"name", "mesh", "part", "shape", "contact_mesh", "contact_part", "material", "scale",
+                            "rotation", "translation", "velocity", "sampling", "quadrature", "kernel", "region",
+                            "mean_dilatation", "consistency", "stabilization", "friction"}))
         bodies.push_back(read_body(reader, materials, names));
     if (bodies.empty())
         root.fail(Place{}, "found no body, expected at least one; add [[body]] with a mesh or shape and a material");

@@ -69,8 +69,9 @@ struct SceneBody {
     std::variant<MeshFile, Shape> surface;
     std::size_t material = 0;          ///< index into `Scene::materials`, also in `settings`
     std::vector<SceneRegion> regions;  ///< of `settings.regions`
+    std::optional<MeshFile> contact_mesh{};
     BodySettings settings;
-    Place place, surface_place, sampling_place;
+    Place place, surface_place, sampling_place, contact_place;
 };
 
 struct SceneFix {

@@ -61,10 +61,10 @@ std::vector<std::vector<std::uint32_t>> groups(Bodies bodies, const Surroundings
     return alone;
 }
 
-std::string named(const std::vector<std::uint32_t>& group) {
-    std::string text = "body " + std::to_string(group.front());
-    for (std::size_t i = 1; i < group.size(); ++i)
-        text += (i + 1 < group.size() ? ", " : " and ") + std::to_string(group[i]);
+std::string names_of(Bodies bodies, const std::vector<std::uint32_t>& group) {
+    std::string text;
+    for (std::size_t i = 0; i < group.size(); ++i)
+        text += (i == 0 ? "" : i + 1 < group.size() ? ", " : " and ") + name_of(*bodies[group[i]], group[i]);
     return text;
 }
 
@@ -81,9 +81,9 @@ std::string try_steps(Bodies bodies, const Surroundings& around, Integrator inte
                     ? find_equilibrium(*bodies[group.front()], around, time, time + duration, threads)
                     : implicit_step(bodies, group, around, scheme, time + k * dt, dt, threads);
             count(solve, report);
-            if (!solve.converged) return named(group) + ": " + solve.trouble;
+            if (!solve.converged) return names_of(bodies, group) + ": " + solve.trouble;
             for (std::uint32_t number : group)
-                if (!all_finite(bodies[number]->state)) return named(group) + " left the numbers";
+                if (!all_finite(bodies[number]->state)) return name_of(*bodies[number], number) + " left the numbers";
         }
         ++report.substeps;
     }

@@ -50,6 +50,10 @@ WarpedPreconditioner& DynamicBody::prepare_preconditioner(double stiffness, doub
     return *preconditioner;
 }
 
+std::string name_of(const DynamicBody& body, std::size_t number) {
+    return body.name.empty() ? "body " + std::to_string(number) : "body \"" + body.name + '"';
+}
+
 void evaluate_forces(DynamicBody& b, const Surroundings& around, double time, const Threads& threads) {
     const std::size_t n = b.model.rest.size();
     b.force.resize(n);

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "contact/body_contact.h"
 #include "forces/constraints.h"
@@ -38,6 +39,7 @@ struct History {
 
 /// A body in motion: what it is, where it is, and what acts on it.
 struct DynamicBody {
+    std::string name;   ///< for messages; may be empty
     TriangleMesh mesh;  ///< the surface as simulated, rest space
     Model model;
     State state;
@@ -45,6 +47,7 @@ struct DynamicBody {
     Constraints constraints;
     std::vector<SurfaceLoad> loads;
     std::optional<ContactSamples> contact;
+    bool separate_contact_surface = false;  ///< another one than that of its mesh
     Exchanged exchanged;
     LargestFrequency frequency;
     double rest_step = 0;   ///< [s] stable step of the body at rest
@@ -86,6 +89,9 @@ struct DynamicBody {
     std::vector<Vec3> previous;                   ///< velocity before a kick [m/s]
     double viscous_power = 0;                     ///< [W]
 };
+
+/// What messages call a body: `body "bunny"`, or `body 3` for one without a name that has that number in its world.
+std::string name_of(const DynamicBody& body, std::size_t number);
 
 /// Evaluates the forces at the body's positions and velocities.
 void evaluate_forces(DynamicBody& body, const Surroundings& around, double time, const Threads& threads);

@@ -84,7 +84,7 @@ std::string trouble_with(Bodies bodies, const std::vector<Snapshot>& before, con
                          const Threads& threads) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const std::string trouble = trouble_with(*bodies[i], before[i], around, threads);
-        if (!trouble.empty()) return "body " + std::to_string(i) + ": " + trouble;
+        if (!trouble.empty()) return name_of(*bodies[i], i) + ": " + trouble;
     }
     return {};
 }
@@ -127,7 +127,7 @@ std::string try_advance(Bodies bodies, const std::vector<Snapshot>& before, cons
             if (integrator == Integrator::verlet) verlet(*bodies[i], around, time, dt, count, threads);
             else leap_frog(*bodies[i], around, time, dt, count, threads);
             const std::string trouble = update_limit(*bodies[i], around, threads);
-            if (!trouble.empty()) return "body " + std::to_string(i) + ": " + trouble;
+            if (!trouble.empty()) return name_of(*bodies[i], i) + ": " + trouble;
         }
         report.substeps += count;
         left = static_cast<double>(count) == needed ? 0 : left - static_cast<double>(count) * dt;

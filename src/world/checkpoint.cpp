@@ -19,7 +19,7 @@ void add_material(Hasher& hasher, const Material& m) {
 }
 
 /// Hash of all that a checkpoint does not hold and a resumed run must share: nodes, masses, gradients, materials,
-/// obstacles, fixes, loads.
+/// obstacles, fixes, loads, contact surfaces.
 std::uint64_t fingerprint(const World::Parts& p) {
     Hasher hasher;
     hasher.add_value(p.settings.time_step);
@@ -46,6 +46,7 @@ std::uint64_t fingerprint(const World::Parts& p) {
         for (const SurfaceLoad& load : body->loads) load.add_to(hasher);
         body->constraints.add_to(hasher);
         hasher.add_value(body->friction);
+        if (body->separate_contact_surface) body->contact->add_to(hasher);
     }
     return hasher.value();
 }

@@ -65,6 +65,23 @@ void make_surface(DynamicBody& body, const TriangleMesh& original, const Checked
     body.surface.emplace(body.model, original, own, threads);
 }
 
+/// The surface that meets others: the body's own, or the one that `settings` hold.
+ContactSurface make_contact_surface(const DynamicBody& body, const BodySettings& settings, World::Parts& parts) {
+    if (!settings.contact_mesh) return contact_surface(body.model, body.mesh, parts.threads);
+    const std::string& source = settings.contact_mesh->source;
+    const std::string field = "body contact_mesh: " + (source.empty() ? "" : source + ": ");
+    const CheckedMesh checked = check_and_repair(placed(*settings.contact_mesh, settings));
+    if (checked.mesh.triangles.empty()) throw Error(field + checked.report.refusal);
+    try {
+        ContactSurface surface = contact_surface(body.model, body.mesh, checked, parts.threads);
+        if (surface.has_inside)
+            for (const std::string& repair : checked.report.repairs) parts.warn("contact surface: " + repair);
+        return surface;
+    } catch (const Error& error) {
+        throw Error(field + error.what());
+    }
+}
+
 void warn_of_regions(const Model& model, World::Parts& parts) {
     for (std::size_t r = 1; r < model.mixture.materials.size(); ++r)
         if (!model.mixture.holds(r))
@@ -156,7 +173,10 @@ void find_rest_step(DynamicBody& body, const World::Parts& parts) {
 }
 
 void prepare_contact(DynamicBody& body, const World::Parts& parts) {
-    if (is_explicit(parts.settings.integrator)) return;  // made so, for the stable step at rest
+    if (is_explicit(parts.settings.integrator)) {
+        body.contact->set_stiffness(ContactSamples::explicit_share, body.rest_step);
+        return;
+    }
     const double step = body.history.dt > 0 ? body.history.dt : parts.settings.time_step;
     const bool is_static = parts.settings.integrator == Integrator::statics;
     set_contact_stiffness(body, is_static ? std::numeric_limits<double>::infinity() : step);
@@ -186,9 +206,11 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     body->state.v.assign(body->model.rest.size(), settings.velocity);
     make_surface(*body, placed_mesh, checked, parts.threads);
     body->mesh = std::move(checked.mesh);
+    body->name = settings.name;
     body->friction = settings.friction;
     find_rest_step(*body, parts);
-    body->contact.emplace(body->model, body->mesh, body->rest_step, parts.threads);
+    body->separate_contact_surface = settings.contact_mesh.has_value();
+    body->contact.emplace(body->model, make_contact_surface(*body, settings, parts), body->rest_step, parts.threads);
     prepare_contact(*body, parts);
     return body;
 }

@@ -72,15 +72,23 @@ void let_overlapping_pass(World::Parts& p, DynamicBody& added) {
                               added.model.sampling.spacing,
                               {},
                               {}}});
-        contact.find(x, x, norm(bounding_box(added.mesh).size()) + norm(other.contact->reach(other.state.x).size()),
-                     p.threads);
+        contact.find(
+            x, x, norm(added.contact->reach(added.state.x).size()) + norm(other.contact->reach(other.state.x).size()),
+            p.threads);
         const double depth = contact.deepest(x);
         if (depth <= 0.1 * std::min(other.model.sampling.spacing, added.model.sampling.spacing)) continue;
         added.apart.push_back(i);
         other.apart.push_back(number);
-        p.warn("body " + std::to_string(number) + " begins " + format_number(depth) + " m inside of body " +
-               std::to_string(i) + ": these two pass through each other. Move one of them to let them meet");
+        p.warn(name_of(added, number) + " begins " + format_number(depth) + " m inside of " + name_of(other, i) +
+               ": these two pass through each other. Move one of them to let them meet");
     }
+}
+
+void warn_of_open_contact(World::Parts& p, const DynamicBody& body, std::size_t number) {
+    if (!body.contact->has_inside())
+        p.warn("the contact surface of " + name_of(body, number) +
+               " is not closed: its points are kept out of other bodies, but "
+               "theirs are not kept out of it. Close it where it should hold them");
 }
 
 /// Renumbers what names bodies after one was removed.
@@ -118,12 +126,16 @@ BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     auto body = make_body(mesh, settings, p, info.mesh_report);
     const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
     if (depth > 0.01 * body->model.node_length)
-        p.warn("a body begins " + format_number(depth) + " m inside of a collider");
-    if (bodies_meet(p.settings.integrator)) let_overlapping_pass(p, *body);
-    else if (!p.bodies.empty())
+        p.warn(name_of(*body, p.bodies.size()) + " begins " + format_number(depth) + " m inside of a collider");
+    if (bodies_meet(p.settings.integrator)) {
+        let_overlapping_pass(p, *body);
+        if (p.bodies.size() == 1) warn_of_open_contact(p, *p.bodies[0], 0);
+        if (!p.bodies.empty()) warn_of_open_contact(p, *body, p.bodies.size());
+    } else if (!p.bodies.empty()) {
         p.warn(
             "bodies meet each other only with the integrators implicit-euler and bdf2; here they pass through each "
             "other");
+    }
     const BodyEnergy energy = body_energy(*body, p.around, p.threads);
     info.energy_at_start = energy.total();
     info.gravity_at_start = energy.gravitational;
@@ -288,7 +300,6 @@ void World::set_material(BodyId id, const Material& material, std::optional<std:
     phyxel::set_material(body.model, material, which);
     body.forget_solver();
     find_rest_step(body, p);
-    body.contact.emplace(body.model, body.mesh, body.rest_step, p.threads);
     prepare_contact(body, p);
     body.exchanged.external += body_energy(body, p.around, p.threads).total() - before;
 }

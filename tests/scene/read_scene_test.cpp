@@ -123,6 +123,14 @@ youngs_modulus = 1e9
     EXPECT_EQ(scene.bodies[0].regions[2].material, 1u);
 }
 
+TEST(ReadScene, a_contact_surface_is_a_mesh_file_and_one_of_its_parts) {
+    EXPECT_FALSE(read(std::string(least_scene)).bodies[0].contact_mesh.has_value());
+    const Scene scene = read(std::string(least_scene) + "contact_mesh = \"hull.obj\"\ncontact_part = \"outer\"\n");
+    ASSERT_TRUE(scene.bodies[0].contact_mesh.has_value());
+    EXPECT_EQ(scene.bodies[0].contact_mesh->path, "hull.obj");
+    EXPECT_EQ(scene.bodies[0].contact_mesh->part, "outer");
+}
+
 TEST(ReadScene, mean_dilatation_is_auto_unless_said) {
     EXPECT_EQ(read(least_scene).bodies[0].settings.mean_dilatation, std::nullopt);
     EXPECT_EQ(read(std::string(least_scene) + "mean_dilatation = \"auto\"").bodies[0].settings.mean_dilatation,
