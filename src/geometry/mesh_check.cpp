@@ -172,6 +172,7 @@ CheckedMesh check_and_repair(const TriangleMesh& mesh) {
                     " has any area: the mesh is a point or a line";
         return checked;
     }
+    drop_unused_vertices(checked.mesh, checked.vertex_of, r);  // those of the triangles just dropped
     orient_triangles(checked.mesh, r);
 
     const Bounds box = bounding_box(checked.mesh);

@@ -124,4 +124,22 @@ void drop_useless_triangles(TriangleMesh& mesh, MeshReport& report) {
     keep_triangles(mesh, keep);
 }
 
+void drop_unused_vertices(TriangleMesh& mesh, std::vector<std::uint32_t>& vertex_of, MeshReport& report) {
+    std::vector<std::uint32_t> new_index(mesh.vertices.size(), UINT32_MAX);
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) new_index[v] = 0;
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (new_index[v] == UINT32_MAX) continue;
+        mesh.vertices[kept] = mesh.vertices[v];
+        new_index[v] = kept++;
+    }
+    report.unused_vertices += mesh.vertices.size() - kept;
+    mesh.vertices.resize(kept);
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = new_index[v];
+    for (std::uint32_t& v : vertex_of)
+        if (v != UINT32_MAX) v = new_index[v];
+}
+
 }  // namespace phyxel

@@ -17,6 +17,9 @@ std::vector<std::uint32_t> weld_vertices(TriangleMesh& mesh, MeshReport& report)
 /// whose corners lie on one line stay: without them, the surface would come apart along that line.
 void drop_useless_triangles(TriangleMesh& mesh, MeshReport& report);
 
+/// Drops the vertices that no triangle uses any more, and counts them; `vertex_of` [vertices as read] follows.
+void drop_unused_vertices(TriangleMesh& mesh, std::vector<std::uint32_t>& vertex_of, MeshReport& report);
+
 /// Turns triangles so that neighbours agree about outside (the smaller part of each connected piece is turned), then
 /// turns closed shells, with all that lies inside them, that are inside out and not inside another shell (these are
 /// cavities and stay). Open pieces are turned together when their volume about their centre is negative.

@@ -110,6 +110,22 @@ TEST(MeshCheck, useless_vertices_and_triangles_are_dropped_and_counted) {
     EXPECT_EQ(checked.report.repairs.size(), 3u);
 }
 
+TEST(MeshCheck, vertices_of_dropped_triangles_alone_are_dropped_with_them) {
+    TriangleMesh box = make_box({1, 1, 1});
+    const std::size_t vertices = box.vertices.size();
+    const auto ghost = static_cast<std::uint32_t>(vertices);
+    box.vertices.insert(box.vertices.begin(), {0, 3, 0});
+    for (Triangle& t : box.triangles)
+        for (std::uint32_t& v : t) ++v;
+    box.triangles.insert(box.triangles.begin(), {0, 0, ghost});
+    const CheckedMesh checked = check_and_repair(box);
+    EXPECT_EQ(checked.report.unused_vertices, 1u);
+    EXPECT_EQ(checked.mesh.vertices.size(), vertices);
+    EXPECT_EQ(checked.vertex_of[0], UINT32_MAX);
+    for (std::size_t v = 1; v <= vertices; ++v) EXPECT_EQ(checked.mesh.vertices[checked.vertex_of[v]], box.vertices[v]);
+    EXPECT_TRUE(checked.closed_and_simple);
+}
+
 TEST(MeshCheck, triangles_are_turned_to_agree) {
     TriangleMesh sphere = make_sphere(1);
     for (std::size_t t = 0; t < sphere.triangles.size(); t += 7)

@@ -117,6 +117,17 @@ TEST(ContactSurface, equal_to_the_mesh_changes_no_bit) {
         EXPECT_EQ(hash(true, integrator), hash(false, integrator));
 }
 
+TEST(ContactSurface, has_no_point_where_only_dropped_triangles_or_none_have_a_corner) {
+    TriangleMesh mesh = cube_mesh;
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {{0, -0.07, 0}, {0, -0.08, 0}});
+    mesh.triangles.push_back({first, first, 0});
+    World world({.gravity = {}});
+    world.add_body(mesh, small_body());
+    world.add_collider(Plane{.point = {0, -0.06, 0}});
+    EXPECT_EQ(world.step().contacts, 0u);
+}
+
 TEST(ContactSurface, that_is_open_holds_the_body_off_obstacles_and_out_of_others) {
     // Turned up or down, it is the same.
     for (const bool turned : {false, true}) {
