@@ -17,6 +17,10 @@ namespace {
 constexpr Vec3 beam = {0.1, 0.1, 1};
 constexpr double swing_duration = 10;  // [s]
 
+/// Of the way of a free step, which half a second makes 2.5 m: with the default of 3e-3 the beam would rest half a
+/// hundredth of its length off.
+constexpr double tolerance = 1e-3;
+
 /// The lengths of the steps, one by one.
 std::vector<double> step_lengths(const std::string& kind) {
     std::mt19937 random(2019);
@@ -36,7 +40,11 @@ struct HeavyBeam {
     std::size_t tip;
 
     HeavyBeam(Integrator integrator, std::size_t cells, int threads)
-        : world({.time_step = 1, .integrator = integrator, .mass_damping = 2, .threads = threads}) {
+        : world({.time_step = 1,
+                 .integrator = integrator,
+                 .mass_damping = 2,
+                 .solver = {.tolerance = integrator == Integrator::statics ? 0 : tolerance},
+                 .threads = threads}) {
         BodySettings settings;
         settings.spacing = beam.x / double(cells);
         settings.translation = 0.5 * beam;
@@ -91,7 +99,7 @@ int run_irregular_steps(const Options& options) {
             results.expect(what + ": every step was found", completed);
             results.expect_at_most(what + ": steps cut into smaller ones", double(retries), kind == "0.5 s" ? 2 : 0);
             results.expect_at_most(what + ": last height against statics [m]",
-                                   std::abs(swinging.height() - rest.height()), 3e-3);
+                                   std::abs(swinging.height() - rest.height()), 2e-3);
             if (integrator == Integrator::implicit_euler)
                 results.expect_at_most(what + ": energy gained, of the weight's work", gained / drop, 1e-3);
         }

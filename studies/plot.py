@@ -11,7 +11,9 @@ except ImportError:
     sys.exit(3)
 
 matplotlib.use("Agg")
+import matplotlib.collections
 import matplotlib.pyplot as plt
+import numpy as np
 
 
 def number(text):
@@ -75,7 +77,7 @@ def locking(figure, rows, _):
         axes.invert_xaxis()
         axes.set_xlabel("1/2 - nu")
         axes.set_ylabel(label)
-    left.legend(fontsize=6)
+    right.legend(fontsize=6)
 
 
 def ghost_forces(figure, rows, _):
@@ -157,17 +159,53 @@ def torus_on_floor(figure, rows, folder):
         axes.set_title(when)
 
 
+def seen(points, yaw=0.6, pitch=0.3):
+    """To the right, up and towards the eye, of an eye that looks down a little from in front."""
+    x, y, z = points.T
+    right, front = np.cos(yaw) * x - np.sin(yaw) * z, np.sin(yaw) * x + np.cos(yaw) * z
+    return np.stack([right, np.cos(pitch) * y - np.sin(pitch) * front, np.sin(pitch) * y + np.cos(pitch) * front], 1)
+
+
+def draw_bodies(axes, bodies, floor_width):
+    """Shaded triangles, [(corners (n, 3, 3), colour)], the farthest first, on a square floor at y = 0."""
+    floor = floor_width / 2 * np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
+    axes.fill(*seen(floor)[:, :2].T, color="0.92")
+    shown, colours, depths = [], [], []
+    for corners, colour in bodies:
+        corners = seen(corners.reshape(-1, 3)).reshape(-1, 3, 3)
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        front = normal[:, 2] > 0
+        light = 0.35 + 0.65 * np.clip(normal[front] @ np.array([-0.4, 0.7, 0.6]), 0, 1)
+        shown.append(corners[front, :, :2])
+        depths.append(corners[front, :, 2].mean(axis=1))
+        colours.append(np.array(matplotlib.colors.to_rgb(colour)) * light[:, None])
+    order = np.argsort(np.concatenate(depths))
+    colours = np.concatenate(colours)[order]
+    axes.add_collection(matplotlib.collections.PolyCollection(
+        np.concatenate(shown)[order], facecolors=colours, edgecolors=colours, linewidths=0.2))
+    axes.set(aspect="equal", xticks=[], yticks=[])
+    axes.set_frame_on(False)
+
+
 def pile(figure, rows, folder):
-    left, right = figure.subplots(1, 2)
-    left.plot(column(rows, "time [s]"), column(rows, "kinetic [J]"))
-    left.set_xlabel("time [s]")
-    left.set_ylabel("kinetic energy [J]")
-    left.set_yscale("log")
-    for body, part in groups(read(folder / "pile-shapes.csv"), "body").items():
-        right.plot(column(part, "x"), column(part, "y"), ".", markersize=2)
-    right.axhline(0, color="k", linewidth=1)
-    right.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    right.set_title("at the end, from the side")
+    times = groups(read(folder / "pile-shapes.csv"), "time")
+    triangles = {body: np.array([[row[corner] for corner in "abc"] for row in part], int)
+                 for body, part in groups(read(folder / "pile-triangles.csv"), "body").items()}
+    highest = max(column(next(iter(times.values())), "y")) + 0.05
+    panels = figure.subplots(1, len(times) + 1, width_ratios=[1] * len(times) + [1.2])
+    for axes, (time, part) in zip(panels, times.items()):
+        bodies = []
+        for body, vertices in groups(part, "body").items():
+            points = np.array([[row[axis] for axis in "xyz"] for row in vertices])
+            bodies.append((points[triangles[body]], f"C{int(body)}"))
+        draw_bodies(axes, bodies, 0.3)
+        axes.set(xlim=(-0.23, 0.23), ylim=(-0.1, highest))
+        axes.set_title(f"{time:.2g} s", fontsize=9)
+    panels[-1].plot(column(rows, "time [s]"), column(rows, "kinetic [J]"))
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_ylabel("kinetic energy [J]")
+    panels[-1].set_yscale("log")
 
 
 STUDIES = {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -30,9 +31,10 @@ public:
     void expect_at_least(const std::string& what, double found, double least);
     void expect(const std::string& what, bool holds);
 
-    /// A world whose final state counts for the state hash of the study.
+    /// A world whose final state counts for the state hash of the study; or, where there is no world, a number found.
     void note(const World& world) { note(world.state_hash()); }
     void note(std::uint64_t state_hash);
+    void note(double found) { note(std::bit_cast<std::uint64_t>(found)); }
 
     /// Writes the table and draws the picture; prints the claims and the state hash. The exit code: 0, or 1 when a
     /// claim failed.

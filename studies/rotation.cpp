@@ -94,6 +94,7 @@ int run_rotation(const Options& options) {
             const double turned = false_rotation(body, stretch, rotation);
             const double work = work_around_a_loop(body, stretch, rotation);
             results.add_row({printed ? "equation 11" : "of F", stretch, turned, work});
+            results.note(turned), results.note(work);
             const std::string what =
                 fmt::format("stretch {:g}, {}", stretch, printed ? "equation 11" : "rotation of F");
             if (printed) results.expect_at_least(what + ": turned [degrees]", turned, 10 * (stretch - 1));
