@@ -46,7 +46,7 @@ struct DynamicBody {
     std::optional<EmbeddedSurface> surface;
     Constraints constraints;
     std::vector<SurfaceLoad> loads;
-    std::optional<ContactSamples> contact;
+    std::optional<ContactSamples> contact;  ///< made when there is something to touch
     bool separate_contact_surface = false;  ///< another one than that of its mesh
     Exchanged exchanged;
     LargestFrequency frequency;

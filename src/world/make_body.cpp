@@ -65,12 +65,11 @@ void make_surface(DynamicBody& body, const TriangleMesh& original, const Checked
     body.surface.emplace(body.model, original, own, threads);
 }
 
-/// The surface that meets others: the body's own, or the one that `settings` hold.
-ContactSurface make_contact_surface(const DynamicBody& body, const BodySettings& settings, World::Parts& parts) {
-    if (!settings.contact_mesh) return contact_surface(body.model, body.mesh, parts.threads);
-    const std::string& source = settings.contact_mesh->source;
-    const std::string field = "body contact_mesh: " + (source.empty() ? "" : source + ": ");
-    const CheckedMesh checked = check_and_repair(placed(*settings.contact_mesh, settings));
+/// The surface that meets others in place of the body's own.
+ContactSurface make_contact_surface(const DynamicBody& body, const TriangleMesh& mesh, const BodySettings& settings,
+                                    World::Parts& parts) {
+    const std::string field = "body contact_mesh: " + (mesh.source.empty() ? "" : mesh.source + ": ");
+    const CheckedMesh checked = check_and_repair(placed(mesh, settings));
     if (checked.mesh.triangles.empty()) throw Error(field + checked.report.refusal);
     try {
         ContactSurface surface = contact_surface(body.model, body.mesh, checked, parts.threads);
@@ -172,7 +171,15 @@ void find_rest_step(DynamicBody& body, const World::Parts& parts) {
                 " s. Lower youngs_modulus or the stiffness damping, or raise density or spacing");
 }
 
+void make_contact(DynamicBody& body, const World::Parts& parts) {
+    if (body.contact) return;
+    body.contact.emplace(body.model, contact_surface(body.model, body.mesh, parts.threads), body.rest_step,
+                         parts.threads);
+    prepare_contact(body, parts);
+}
+
 void prepare_contact(DynamicBody& body, const World::Parts& parts) {
+    if (!body.contact) return;
     if (is_explicit(parts.settings.integrator)) {
         body.contact->set_stiffness(ContactSamples::explicit_share, body.rest_step);
         return;
@@ -209,9 +216,13 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
     body->name = settings.name;
     body->friction = settings.friction;
     find_rest_step(*body, parts);
-    body->separate_contact_surface = settings.contact_mesh.has_value();
-    body->contact.emplace(body->model, make_contact_surface(*body, settings, parts), body->rest_step, parts.threads);
-    prepare_contact(*body, parts);
+    if (settings.contact_mesh) {
+        // At once, so that what is wrong with it is said here.
+        body->separate_contact_surface = true;
+        body->contact.emplace(body->model, make_contact_surface(*body, *settings.contact_mesh, settings, parts),
+                              body->rest_step, parts.threads);
+        prepare_contact(*body, parts);
+    }
     return body;
 }
 

@@ -22,7 +22,10 @@ std::unique_ptr<DynamicBody> make_body(const TriangleMesh& mesh, const BodySetti
 /// Estimates the stable step of a body at rest. Throws `Error` when it is so short that no run would ever end.
 void find_rest_step(DynamicBody& body, const World::Parts& parts);
 
-/// Makes contact as stiff as the world's integrator has it.
+/// Makes the contact samples of a body that has none yet. When that is makes no difference to them.
+void make_contact(DynamicBody& body, const World::Parts& parts);
+
+/// Makes contact, if there are samples, as stiff as the world's integrator has it.
 void prepare_contact(DynamicBody& body, const World::Parts& parts);
 
 /// The cell of a point in rest space that lies inside of the body, to 1e-6 of its size; nothing for a point outside.

@@ -56,6 +56,18 @@ bool bodies_meet(Integrator integrator) {
     return integrator == Integrator::implicit_euler || integrator == Integrator::bdf2;
 }
 
+/// Whether a body in the world, one of `bodies`, may touch something.
+bool something_to_touch(const World::Parts& p, std::size_t bodies) {
+    return !p.around.colliders.empty() || (bodies > 1 && bodies_meet(p.settings.integrator));
+}
+
+template <class Shape>
+std::size_t add_collider(World::Parts& p, const Shape& shape) {
+    p.around.colliders.emplace_back(shape);
+    for (const auto& body : p.bodies) make_contact(*body, p);
+    return p.around.colliders.size() - 1;
+}
+
 /// Bodies that begin inside of each other stay that way: pushed apart, they would burst.
 void let_overlapping_pass(World::Parts& p, DynamicBody& added) {
     const auto number = static_cast<std::uint32_t>(p.bodies.size());
@@ -124,7 +136,11 @@ BodyId World::add_body(const TriangleMesh& mesh, const BodySettings& settings) {
     for (const Region& region : settings.regions) check_tangent(p.settings.solver, region.material);
     Parts::BodyInfo info;
     auto body = make_body(mesh, settings, p, info.mesh_report);
-    const double depth = body->contact->deepest(p.around.colliders, body->state.x, p.threads);
+    if (something_to_touch(p, p.bodies.size() + 1)) {
+        for (const auto& other : p.bodies) make_contact(*other, p);
+        make_contact(*body, p);
+    }
+    const double depth = body->contact ? body->contact->deepest(p.around.colliders, body->state.x, p.threads) : 0;
     if (depth > 0.01 * body->model.node_length)
         p.warn(name_of(*body, p.bodies.size()) + " begins " + format_number(depth) + " m inside of a collider");
     if (bodies_meet(p.settings.integrator)) {
@@ -162,20 +178,11 @@ void World::remove_body(BodyId id) {
         if (slot.alive && slot.body > index) --slot.body;
 }
 
-std::size_t World::add_collider(const Plane& plane) {
-    parts_->around.colliders.emplace_back(plane);
-    return parts_->around.colliders.size() - 1;
-}
+std::size_t World::add_collider(const Plane& plane) { return phyxel::add_collider(*parts_, plane); }
 
-std::size_t World::add_collider(const Sphere& sphere) {
-    parts_->around.colliders.emplace_back(sphere);
-    return parts_->around.colliders.size() - 1;
-}
+std::size_t World::add_collider(const Sphere& sphere) { return phyxel::add_collider(*parts_, sphere); }
 
-std::size_t World::add_collider(const Box& box) {
-    parts_->around.colliders.emplace_back(box);
-    return parts_->around.colliders.size() - 1;
-}
+std::size_t World::add_collider(const Box& box) { return phyxel::add_collider(*parts_, box); }
 
 std::size_t World::add_fix(BodyId id, const Fix& fix) {
     Parts& p = *parts_;

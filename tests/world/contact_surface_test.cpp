@@ -6,6 +6,7 @@
 
 #include "support/temporary_directory.h"
 #include "world/motion.h"
+#include "world/parts.h"
 
 namespace phyxel {
 namespace {
@@ -126,6 +127,55 @@ TEST(ContactSurface, has_no_point_where_only_dropped_triangles_or_none_have_a_co
     world.add_body(mesh, small_body());
     world.add_collider(Plane{.point = {0, -0.06, 0}});
     EXPECT_EQ(world.step().contacts, 0u);
+}
+
+TEST(ContactSurface, is_made_when_something_can_touch_and_when_changes_no_bit) {
+    for (Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2, Integrator::leap_frog}) {
+        const auto begin = [&] {
+            World world({.integrator = integrator, .threads = 2});
+            world.add_body(cube_mesh, small_body({.rotation = {{1, 2, 3}, 20}, .velocity = {0.1, -1, 0}}));
+            return world;
+        };
+        const Plane floor{.point = {0, -0.14, 0}};
+        World early = begin(), late = begin();
+        early.add_collider(floor);
+        settle(early, 2);
+        settle(late, 2);
+        EXPECT_FALSE(late.parts().bodies[0]->contact.has_value());
+        const TemporaryDirectory folder;
+        early.save_checkpoint(folder / "checkpoint");
+        late.add_collider(floor);
+        std::size_t touched = 0;
+        for (int k = 0; k < 6; ++k) {
+            settle(early, 1);
+            touched += late.step().contacts;
+        }
+        EXPECT_GT(touched, 0u);
+        EXPECT_EQ(early.state_hash(), late.state_hash());
+
+        World resumed = begin();
+        resumed.add_collider(floor);
+        resumed.load_checkpoint(folder / "checkpoint");
+        settle(resumed, 6);
+        EXPECT_EQ(resumed.state_hash(), early.state_hash());
+    }
+}
+
+TEST(ContactSurface, of_a_lone_body_is_made_when_another_comes) {
+    for (Integrator integrator : {Integrator::implicit_euler, Integrator::leap_frog}) {
+        const bool meet = integrator == Integrator::implicit_euler;
+        World world({.gravity = {}, .integrator = integrator});
+        world.add_body(cube_mesh, small_body());
+        settle(world, 1);
+        EXPECT_FALSE(world.parts().bodies[0]->contact.has_value());
+        const BodyId other =
+            world.add_body(cube_mesh, small_body({.translation = {0, 0.11, 0}, .velocity = {0, -1, 0}}));
+        EXPECT_EQ(world.parts().bodies[0]->contact.has_value(), meet);
+        settle(world, 2);
+        EXPECT_EQ(world.step().contacts > 0, meet);
+        world.remove_body(other);
+        settle(world, 1);
+    }
 }
 
 TEST(ContactSurface, that_is_open_holds_the_body_off_obstacles_and_out_of_others) {
