@@ -58,6 +58,15 @@ TEST_F(StudyCommand, without_python_there_is_a_table_and_a_message) {
     EXPECT_TRUE(std::filesystem::exists(work() / "out/rotation.csv"));
 }
 
+TEST_F(StudyCommand, a_study_holds_its_claims_with_the_same_bits_for_1_and_3_threads) {
+    const Outcome one = shell("PATH=/nowhere phyxel study support --small --threads 1 -o out");
+    const Outcome three = shell("PATH=/nowhere phyxel study support --small --threads 3 -o out");
+    EXPECT_EQ(one.code, 0) << one.out << one.err;
+    EXPECT_EQ(three.code, 0) << three.out << three.err;
+    EXPECT_NE(state_hash(one.out), "");
+    EXPECT_EQ(state_hash(one.out), state_hash(three.out));
+}
+
 TEST_F(StudyCommand, LONG_every_study_holds_its_claims_at_small_size_with_the_same_bits_for_1_2_3_and_8_threads) {
     for (const std::string& study : names_of_studies(shell("phyxel study list").out)) {
         const auto run = [&](const std::string& threads) {
