@@ -143,25 +143,9 @@ def support(figure, rows, _):
     axes.legend([f"{count:.0f} nodes" for count in groups(rows, "nodes")], fontsize=7)
 
 
-def torus_on_floor(figure, rows, folder):
-    left, middle, right = figure.subplots(1, 3)
-    left.plot(column(rows, "time [s]"), column(rows, "lowest [m]"), label="lowest point")
-    left.plot(column(rows, "time [s]"), column(rows, "center [m]"), label="center of mass")
-    left.set_xlabel("time [s]")
-    left.set_ylabel("height [m]")
-    left.legend(fontsize=7)
-    for axes, (when, part) in zip((middle, right), groups(read(folder / "torus-on-floor-shapes.csv"), "when").items()):
-        kinds = groups(part, "what")
-        axes.plot(column(kinds["surface"], "z"), column(kinds["surface"], "y"), ".", color="0.7", markersize=3)
-        axes.plot(column(kinds["node"], "z"), column(kinds["node"], "y"), "r.", markersize=2)
-        axes.axhline(0, color="k", linewidth=1)
-        axes.set(aspect="equal", xlim=(-0.2, 0.2), ylim=(-0.02, 0.38))
-        axes.set_title(when)
-
-
-def seen(points, yaw=0.6, pitch=0.3):
+def seen(X, yaw=0.6, pitch=0.3):
     """To the right, up and towards the eye, of an eye that looks down a little from in front."""
-    x, y, z = points.T
+    x, y, z = X.T
     right, front = np.cos(yaw) * x - np.sin(yaw) * z, np.sin(yaw) * x + np.cos(yaw) * z
     return np.stack([right, np.cos(pitch) * y - np.sin(pitch) * front, np.sin(pitch) * y + np.cos(pitch) * front], 1)
 
@@ -171,14 +155,14 @@ def draw_bodies(axes, bodies, floor_width):
     floor = floor_width / 2 * np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
     axes.fill(*seen(floor)[:, :2].T, color="0.92")
     shown, colours, depths = [], [], []
-    for corners, colour in bodies:
-        corners = seen(corners.reshape(-1, 3)).reshape(-1, 3, 3)
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    for faces, colour in bodies:
+        faces = seen(faces.reshape(-1, 3)).reshape(-1, 3, 3)
+        normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         front = normal[:, 2] > 0
         light = 0.35 + 0.65 * np.clip(normal[front] @ np.array([-0.4, 0.7, 0.6]), 0, 1)
-        shown.append(corners[front, :, :2])
-        depths.append(corners[front, :, 2].mean(axis=1))
+        shown.append(faces[front, :, :2])
+        depths.append(faces[front, :, 2].mean(axis=1))
         colours.append(np.array(matplotlib.colors.to_rgb(colour)) * light[:, None])
     order = np.argsort(np.concatenate(depths))
     colours = np.concatenate(colours)[order]
@@ -188,17 +172,41 @@ def draw_bodies(axes, bodies, floor_width):
     axes.set_frame_on(False)
 
 
+def points(rows):
+    return np.array([[row[axis] for axis in "xyz"] for row in rows])
+
+
+def corners(rows):
+    return np.array([[row[corner] for corner in "abc"] for row in rows], int)
+
+
+def torus_on_floor(figure, rows, folder):
+    names = ["time", "nodes before", "surface before", "nodes after", "surface after"]
+    panels = dict(zip(names, figure.subplots(1, 5, width_ratios=[1.2, 1, 1, 1, 1])))
+    panels["time"].plot(column(rows, "time [s]"), column(rows, "lowest [m]"), label="lowest point")
+    panels["time"].plot(column(rows, "time [s]"), column(rows, "center [m]"), label="center of mass")
+    panels["time"].set_xlabel("time [s]")
+    panels["time"].set_ylabel("height [m]")
+    panels["time"].legend(fontsize=7)
+    triangles = corners(read(folder / "torus-on-floor-triangles.csv"))
+    for when, part in groups(read(folder / "torus-on-floor-shapes.csv"), "when").items():
+        kinds = groups(part, "what")
+        for what in ("nodes", "surface"):
+            axes = panels[f"{what} {when}"]
+            draw_bodies(axes, [(points(kinds["surface"])[triangles], "C1" if what == "surface" else "0.95")], 0.3)
+            axes.set(xlim=(-0.21, 0.21), ylim=(-0.08, 0.38))
+            axes.set_title(f"{what} {when}", fontsize=9)
+        panels[f"nodes {when}"].plot(*seen(points(kinds["node"]))[:, :2].T, "r.", markersize=1)
+
+
 def pile(figure, rows, folder):
     times = groups(read(folder / "pile-shapes.csv"), "time")
-    triangles = {body: np.array([[row[corner] for corner in "abc"] for row in part], int)
-                 for body, part in groups(read(folder / "pile-triangles.csv"), "body").items()}
+    triangles = {body: corners(part) for body, part in groups(read(folder / "pile-triangles.csv"), "body").items()}
     highest = max(column(next(iter(times.values())), "y")) + 0.05
     panels = figure.subplots(1, len(times) + 1, width_ratios=[1] * len(times) + [1.2])
     for axes, (time, part) in zip(panels, times.items()):
-        bodies = []
-        for body, vertices in groups(part, "body").items():
-            points = np.array([[row[axis] for axis in "xyz"] for row in vertices])
-            bodies.append((points[triangles[body]], f"C{int(body)}"))
+        bodies = [(points(vertices)[triangles[body]], f"C{int(body)}")
+                  for body, vertices in groups(part, "body").items()]
         draw_bodies(axes, bodies, 0.3)
         axes.set(xlim=(-0.23, 0.23), ylim=(-0.1, highest))
         axes.set_title(f"{time:.2g} s", fontsize=9)

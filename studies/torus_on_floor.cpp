@@ -48,6 +48,10 @@ int run_torus_on_floor(const Options& options) {
     }
     add_shape(world, body, "after", shapes);
     results.write_table("shapes", {"when", "what", "x", "y", "z"}, shapes);
+    std::vector<std::vector<Results::Cell>> triangles;
+    for (const Triangle& t : world.surface(body).triangles())
+        triangles.push_back({double(t[0]), double(t[1]), double(t[2])});
+    results.write_table("triangles", {"a", "b", "c"}, triangles);
     results.note(world);
 
     const BodyReport report = world.report(body);
