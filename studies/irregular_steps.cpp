@@ -19,7 +19,7 @@ constexpr double swing_duration = 10;  // [s]
 
 /// Of the way of a free step, which half a second makes 2.5 m: with the default of 3e-3 the beam would rest half a
 /// hundredth of its length off.
-constexpr double tolerance = 1e-3;
+constexpr double step_tolerance = 1e-3;
 
 /// The lengths of the steps, one by one.
 std::vector<double> step_lengths(const std::string& kind) {
@@ -43,7 +43,7 @@ struct HeavyBeam {
         : world({.time_step = 1,
                  .integrator = integrator,
                  .mass_damping = 2,
-                 .solver = {.tolerance = integrator == Integrator::statics ? 0 : tolerance},
+                 .solver = {.tolerance = integrator == Integrator::statics ? 0 : step_tolerance},
                  .threads = threads}) {
         BodySettings settings;
         settings.spacing = beam.x / double(cells);

@@ -10,8 +10,8 @@
 namespace phyxel::studies {
 namespace {
 
-constexpr double edge = 0.1;   // [m] of a cube; the others are of its size
-constexpr double width = 0.3;  // [m] from wall to wall
+constexpr double edge = 0.1;       // [m] of a cube; the others are of its size
+constexpr double pit_width = 0.3;  // [m] from wall to wall
 
 TriangleMesh shape(int number) {
     if (number % 3 == 0) return make_box({edge, edge, edge});
@@ -23,8 +23,8 @@ TriangleMesh shape(int number) {
 double depth(const World& world, BodyId body) {
     double deepest = 0;
     for (const Vec3f& x : world.surface(body).positions())
-        deepest =
-            std::max({deepest, -double(x.y), std::abs(double(x.x)) - width / 2, std::abs(double(x.z)) - width / 2});
+        deepest = std::max(
+            {deepest, -double(x.y), std::abs(double(x.x)) - pit_width / 2, std::abs(double(x.z)) - pit_width / 2});
     return deepest;
 }
 
@@ -63,7 +63,7 @@ int run_pile(const Options& options) {
     }
     world.add_collider(Plane{.friction = 0.5});
     for (const Vec3& inward : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}})
-        world.add_collider(Plane{.point = -0.5 * width * inward, .normal = inward, .friction = 0.5});
+        world.add_collider(Plane{.point = -0.5 * pit_width * inward, .normal = inward, .friction = 0.5});
 
     Shapes shapes;
     shapes.add(world, bodies);
