@@ -130,8 +130,7 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
         timed([&] { return EmbeddedSurface(body.model, checked.mesh, vertex_normals(checked.mesh), threads); }));
     timed([&] { return estimate_rest_step(body, around, threads), 0; });
     body.contact.emplace(timed([&] {
-        return ContactSamples(body.model, contact_surface(body.model, checked.mesh, threads), body.rest_step,
-                                     threads);
+        return ContactSamples(body.model, contact_surface(body.model, checked.mesh, threads), body.rest_step, threads);
     }));
     timed([&] { return leap_frog(body, around, 0, body.rest_step, 1, threads), 0; });
 }

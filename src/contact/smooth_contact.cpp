@@ -60,9 +60,13 @@ std::vector<ContactSamples::Stick> ContactSamples::sticks(std::span<const Rub> r
 
 void ContactSamples::add_lumped(std::span<const Touch> touches, std::span<const Rub> rubs, std::span<const Vec3> x,
                                 std::span<Mat3> blocks) const {
+    // phi phi^T <= (sum |phi|) diag(|phi|)
     const auto add = [&](std::uint32_t sample, const Mat3& K) {
+        double sum = 0;
         for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
-            blocks[samples_.node[k]] += std::max(0.0, samples_.phi[k]) * K;
+            sum += std::abs(samples_.phi[k]);
+        for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
+            blocks[samples_.node[k]] += sum * std::abs(samples_.phi[k]) * K;
     };
     for (const Touch& touch : touches) add(touch.sample, stiffness(touch.sample) * outer(touch.normal, touch.normal));
     for (const Rub& rub : rubs) add(rub.stick.sample, rub.spring.held_stiffness(slip(rub, x)));

@@ -199,24 +199,49 @@ Mat3 CellBlocks::move_to_slots(const Model& m, std::size_t b, std::span<const Ve
     return R;
 }
 
+/// beta v, less that of the first slot, in the frame of the displacements.
+void CellBlocks::rates_to_slots(std::size_t b, const Mat3& R, std::span<const Vec3> v, double beta) const {
+    const std::span nodes = std::span(blocks_[b].slot_node).subspan(1);
+    Float4* rate = &rate_[slot_begin_[b]];
+    const Mat3 Rt = (beta / length_) * transpose(R);
+    rate[0] = Float4{};
+    for (std::size_t s = 0; s < nodes.size(); ++s) {
+        const Vec3 w = Rt * (v[nodes[s]] - v[nodes[0]]);
+        rate[s + 1] = {{static_cast<float>(w.x), static_cast<float>(w.y), static_cast<float>(w.z), 0}};
+    }
+}
+
 double CellBlocks::run(std::size_t b, CellTask task) const {
     thread_local std::vector<float> scratch;
     scratch.resize(std::max(scratch.size(), 6 * largest_window_ * lanes_));
     Float4* f = &f_[slot_begin_[b]];
     if (task != CellTask::energy) std::fill(f, f + blocks_[b].slot_node.size(), Float4{});
-    return kernel_(blocks_[b].chunks, task, &u_[slot_begin_[b]], f, scratch.data());
+    const Float4* rate = task == CellTask::damped_forces ? &rate_[slot_begin_[b]] : nullptr;
+    return kernel_(blocks_[b].chunks, task, {&u_[slot_begin_[b]], rate, f, scratch.data()});
 }
 
 double CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const {
+    return find_forces(m, x, {}, 0, threads, f);
+}
+
+double CellBlocks::damped_forces(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                                 const Threads& threads, std::span<Vec3> f) const {
+    rate_.resize(u_.size());
+    return find_forces(m, x, v, beta, threads, f);
+}
+
+double CellBlocks::find_forces(const Model& m, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                               const Threads& threads, std::span<Vec3> f) const {
     const double energy = threads.sum(blocks_.size(), 1, [&](std::size_t b) {
         const Mat3 R = move_to_slots(m, b, x);
-        const double stored = run(b, CellTask::forces);
+        if (!v.empty()) rates_to_slots(b, R, v, beta);
+        const double stored = run(b, v.empty() ? CellTask::forces : CellTask::damped_forces);
         if (!blocks_[b].moves) return stored;
         Mat3f turn;
         for (std::size_t r = 0; r < 3; ++r) turn.rows[r] = vector_cast<float>(R.rows[r]);
         for (std::uint32_t s = slot_begin_[b]; s < slot_begin_[b + 1]; ++s) {
-            const Vec3f v = turn * Vec3f{f_[s].lane[0], f_[s].lane[1], f_[s].lane[2]};
-            f_[s] = {{v.x, v.y, v.z, 0}};
+            const Vec3f force = turn * Vec3f{f_[s].lane[0], f_[s].lane[1], f_[s].lane[2]};
+            f_[s] = {{force.x, force.y, force.z, 0}};
         }
         return stored;
     });
@@ -224,8 +249,8 @@ double CellBlocks::forces(const Model& m, std::span<const Vec3> x, const Threads
     threads.for_each(f.size(), gathered_chunk, [&](std::size_t i) {
         Vec3 sum{};
         for (std::uint32_t k = node_slot_offset_[i]; k < node_slot_offset_[i + 1]; ++k) {
-            const Float4& v = f_[node_slots_[k]];
-            sum += Vec3{double(v.lane[0]), double(v.lane[1]), double(v.lane[2])};
+            const Float4& force = f_[node_slots_[k]];
+            sum += Vec3{double(force.lane[0]), double(force.lane[1]), double(force.lane[2])};
         }
         f[i] = unit * sum;
     });

@@ -44,6 +44,10 @@ public:
     /// f = -dU/dx [N], U the elastic energy, without stabilization; returns U [J].
     double forces(const Model& model, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f) const;
 
+    /// The same with the viscous forces of `internal_forces` at the velocities v [m/s], beta > 0 [s].
+    double damped_forces(const Model& model, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                         const Threads& threads, std::span<Vec3> f) const;
+
     /// U [J].
     double energy(const Model& model, std::span<const Vec3> x, const Threads& threads) const;
 
@@ -70,7 +74,10 @@ private:
                      std::size_t lane) const;
     void join_lanes(CellBlock& block, std::size_t chunk) const;
     Mat3 move_to_slots(const Model& model, std::size_t block, std::span<const Vec3> x) const;
+    void rates_to_slots(std::size_t block, const Mat3& R, std::span<const Vec3> v, double beta) const;
     double run(std::size_t block, CellTask task) const;
+    double find_forces(const Model& model, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                       const Threads& threads, std::span<Vec3> f) const;
 
     CellGroups groups_;
     std::size_t lanes_;
@@ -86,6 +93,7 @@ private:
     bool matches_model_ = true;
     Counts counts_;
     mutable std::vector<Float4> u_, f_;  ///< [slots]
+    mutable std::vector<Float4> rate_;   ///< [slots] once forces were damped
 };
 
 }  // namespace phyxel

@@ -37,15 +37,22 @@ struct CellChunk {
 };
 
 enum class CellTask {
-    forces,       ///< adds those of the chunks' points to the slots, and finds the energy
-    energy,       ///< the energy alone
-    rest_action,  ///< adds the stiffness at rest times the displacements, whatever the law: Hooke's
+    forces,         ///< adds those of the chunks' points to the slots, and finds the energy
+    damped_forces,  ///< the same with the viscous forces of the rates
+    energy,         ///< the energy alone
+    rest_action,    ///< adds the stiffness at rest times the displacements, whatever the law: Hooke's
 };
 
-/// Does `task` for the chunks of a block at the displacements `u` of its slots, in spacings; returns the energy if
-/// that is asked for. `scratch`: twice [largest number of entries][3][lanes].
-using CellKernel = double (*)(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f,
-                              float* scratch);
+/// What the kernel works on: the slots of a block.
+struct CellSlots {
+    const Float4* u;     ///< displacements, in spacings
+    const Float4* rate;  ///< beta v of damped forces, likewise
+    Float4* f;           ///< forces
+    float* scratch;      ///< twice [largest number of entries][3][lanes]
+};
+
+/// Does `task` for the chunks of a block; returns the energy if that is asked for.
+using CellKernel = double (*)(std::span<const CellChunk> chunks, CellTask task, const CellSlots& slots);
 
 /// Lanes a chunk has for some instructions.
 std::size_t cell_lanes(Instructions instructions);
@@ -53,8 +60,8 @@ std::size_t cell_lanes(Instructions instructions);
 CellKernel cell_kernel(Instructions instructions);
 
 /// One for each set of instructions; sixteen lanes without special instructions are for tests.
-double cell_kernel_plain(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
-double cell_kernel_avx2(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
-double cell_kernel_avx512(std::span<const CellChunk>, CellTask, const Float4* u, Float4* f, float* scratch);
+double cell_kernel_plain(std::span<const CellChunk>, CellTask, const CellSlots&);
+double cell_kernel_avx2(std::span<const CellChunk>, CellTask, const CellSlots&);
+double cell_kernel_avx512(std::span<const CellChunk>, CellTask, const CellSlots&);
 
 }  // namespace phyxel

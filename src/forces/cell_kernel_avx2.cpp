@@ -10,8 +10,8 @@ PHYXEL_BEGIN_TARGET(PHYXEL_AVX2_FMA)
 
 namespace phyxel {
 
-double cell_kernel_avx2(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {
-    return CellKernelBody<Avx2Lanes>::run(chunks, task, u, f, scratch);
+double cell_kernel_avx2(std::span<const CellChunk> chunks, CellTask task, const CellSlots& slots) {
+    return CellKernelBody<Avx2Lanes>::run(chunks, task, slots);
 }
 
 }  // namespace phyxel

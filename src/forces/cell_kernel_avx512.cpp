@@ -10,9 +10,8 @@ PHYXEL_BEGIN_TARGET(PHYXEL_AVX512)
 
 namespace phyxel {
 
-double cell_kernel_avx512(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f,
-                          float* scratch) {
-    return CellKernelBody<Avx512Lanes>::run(chunks, task, u, f, scratch);
+double cell_kernel_avx512(std::span<const CellChunk> chunks, CellTask task, const CellSlots& slots) {
+    return CellKernelBody<Avx512Lanes>::run(chunks, task, slots);
 }
 
 }  // namespace phyxel

@@ -151,23 +151,28 @@ struct CellKernelBody : CellLaws<S> {
         return chunk.pair_begin[point] < chunk.pair_begin[point + 1];
     }
 
-    /// Calls `done(point, state, theta)` for each point, theta its own dilatation or the mean of its group.
-    template <class Law, class Done>
-    PHYXEL_INLINE void for_points(const CellChunk& chunk, const Matrix* H, Done&& done) {
+    /// Calls `done(point, state, theta)` for each point, theta what `measure(point, state, theta)` writes or the mean
+    /// of that over the points that share their dilatation.
+    template <class State, class Measure, class Done>
+    PHYXEL_INLINE void for_points(const CellChunk& chunk, Measure&& measure, Done&& done) {
         if (!chunk.share) {
             for (std::size_t point = 0; point < 8; ++point) {
                 if (!has_point(chunk, point)) continue;
-                typename Law::State state;
-                const Float theta = Law::measure(H[point], state);
+                State state;
+                Float theta;
+                measure(point, state, theta);
                 done(point, state, theta);
             }
             return;
         }
-        typename Law::State state[8];
+        State state[8];
         Float mean{};
-        for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point))
-                mean = fma(load(chunk.share + point * lanes), Law::measure(H[point], state[point]), mean);
+        for (std::size_t point = 0; point < 8; ++point) {
+            if (!has_point(chunk, point)) continue;
+            Float theta;
+            measure(point, state[point], theta);
+            mean = fma(load(chunk.share + point * lanes), theta, mean);
+        }
         if (chunk.join) {
             Float joint{};
             for (std::size_t l = 0; l < lanes; ++l) joint[chunk.join[l]] += mean[l];
@@ -175,6 +180,14 @@ struct CellKernelBody : CellLaws<S> {
         }
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point)) done(point, state[point], mean);
+    }
+    template <class Law, class Done>
+    PHYXEL_INLINE void for_points_of(const CellChunk& chunk, const Matrix* H, Done&& done) {
+        using State = typename Law::State;
+        const auto measure = [&](std::size_t point, State& state, Float& theta) {
+            theta = Law::measure(H[point], state);
+        };
+        for_points<State>(chunk, measure, done);
     }
 
     PHYXEL_INLINE double sum_of(const Float& v) {
@@ -187,7 +200,7 @@ struct CellKernelBody : CellLaws<S> {
     template <class Law>
     static double stresses(const CellChunk& chunk, const Matrix* H, float sign, Matrix* A) {
         Float energy{};
-        for_points<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
+        for_points_of<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
             const Moduli m = moduli_of(chunk, point);
             const Float pressure = m.lambda * theta;
             energy += Law::energy(H[point], state, m) + 0.5f * pressure * theta;
@@ -200,73 +213,108 @@ struct CellKernelBody : CellLaws<S> {
     template <class Law>
     static double energies(const CellChunk& chunk, const Matrix* H) {
         Float energy{};
-        for_points<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
+        for_points_of<Law>(chunk, H, [&](std::size_t point, const typename Law::State& state, const Float& theta) {
             const Moduli m = moduli_of(chunk, point);
             energy += Law::energy(H[point], state, m) + 0.5f * m.lambda * theta * theta;
         });
         return sum_of(energy);
     }
 
+    /// A -= V F S_v of the rates W = beta F', S_v = lambda tr(D) I + 2 mu D, D = sym(F^T W).
+    static void add_viscous_stresses(const CellChunk& chunk, const Matrix* H, const Matrix* W, Matrix* A) {
+        const auto rate = [&](std::size_t point, Matrix& D, Float& theta) {
+            const Matrix &h = H[point], &w = W[point];
+            for (int r = 0; r < 3; ++r)
+                for (int c = r; c < 3; ++c) {
+                    Float sum = w.m[3 * r + c] + w.m[3 * c + r];
+                    for (int k = 0; k < 3; ++k)
+                        sum = fma(h.m[3 * k + r], w.m[3 * k + c], fma(h.m[3 * k + c], w.m[3 * k + r], sum));
+                    D.m[3 * r + c] = D.m[3 * c + r] = 0.5f * sum;
+                }
+            theta = Laws::trace(D);
+        };
+        for_points<Matrix>(chunk, rate, [&](std::size_t point, const Matrix& D, const Float& theta) {
+            const Moduli m = moduli_of(chunk, point);
+            Matrix second;
+            for (int k = 0; k < 9; ++k) second.m[k] = 2.0f * m.mu * D.m[k];
+            Laws::add_identity(m.lambda * theta, second);
+            for (int r = 0; r < 3; ++r)
+                for (int c = 0; c < 3; ++c) {
+                    Float sum = second.m[3 * r + c];
+                    for (int k = 0; k < 3; ++k) sum = fma(H[point].m[3 * r + k], second.m[3 * k + c], sum);
+                    A[point].m[3 * r + c] -= sum;
+                }
+        });
+    }
+
+    static double energies_by_law(const CellChunk& chunk, const Matrix* H) {
+        switch (chunk.law) {
+            case Law::linear:
+                return energies<LinearLaw>(chunk, H);
+            case Law::saint_venant_kirchhoff:
+                return energies<SaintVenantKirchhoffLaw>(chunk, H);
+            case Law::corotated:
+                return energies<CorotatedLaw>(chunk, H);
+            case Law::neo_hookean:
+                break;
+        }
+        return energies<NeoHookeanLaw>(chunk, H);
+    }
+    static double stresses_by_law(const CellChunk& chunk, const Matrix* H, Matrix* A) {
+        switch (chunk.law) {
+            case Law::linear:
+                return stresses<LinearLaw>(chunk, H, -1, A);
+            case Law::saint_venant_kirchhoff:
+                return stresses<SaintVenantKirchhoffLaw>(chunk, H, -1, A);
+            case Law::corotated:
+                return stresses<CorotatedLaw>(chunk, H, -1, A);
+            case Law::neo_hookean:
+                break;
+        }
+        return stresses<NeoHookeanLaw>(chunk, H, -1, A);
+    }
+
+    /// Gradients of a field of the slots at the points of a chunk.
     template <ChunkKind kind>
-    static double run_chunk(const CellChunk& chunk, CellTask task, const Float4* u, Float4* f, float* scratch) {
+    PHYXEL_INLINE void gradients(const CellChunk& chunk, const Float4* field, float* window, Matrix* result) {
+        gather_window(chunk, field, window);
+        for (std::size_t point = 0; point < 8; ++point)
+            if (has_point(chunk, point)) displacement_gradient(Pairs<kind>::of(chunk, point), window, result[point]);
+    }
+
+    template <ChunkKind kind>
+    static double run_chunk(const CellChunk& chunk, CellTask task, const CellSlots& slots) {
         Matrix H[8], A[8];
         double energy = 0;
-        gather_window(chunk, u, scratch);
-        for (std::size_t point = 0; point < 8; ++point)
-            if (has_point(chunk, point)) displacement_gradient(Pairs<kind>::of(chunk, point), scratch, H[point]);
-
-        switch (task) {
-            case CellTask::energy:
-                switch (chunk.law) {
-                    case Law::linear:
-                        return energies<LinearLaw>(chunk, H);
-                    case Law::saint_venant_kirchhoff:
-                        return energies<SaintVenantKirchhoffLaw>(chunk, H);
-                    case Law::corotated:
-                        return energies<CorotatedLaw>(chunk, H);
-                    case Law::neo_hookean:
-                        break;
-                }
-                return energies<NeoHookeanLaw>(chunk, H);
-            case CellTask::rest_action:
-                stresses<LinearLaw>(chunk, H, 1, A);
-                break;
-            case CellTask::forces:
-                switch (chunk.law) {
-                    case Law::linear:
-                        energy = stresses<LinearLaw>(chunk, H, -1, A);
-                        break;
-                    case Law::saint_venant_kirchhoff:
-                        energy = stresses<SaintVenantKirchhoffLaw>(chunk, H, -1, A);
-                        break;
-                    case Law::corotated:
-                        energy = stresses<CorotatedLaw>(chunk, H, -1, A);
-                        break;
-                    case Law::neo_hookean:
-                        energy = stresses<NeoHookeanLaw>(chunk, H, -1, A);
-                        break;
-                }
+        gradients<kind>(chunk, slots.u, slots.scratch, H);
+        if (task == CellTask::energy) return energies_by_law(chunk, H);
+        if (task == CellTask::rest_action) stresses<LinearLaw>(chunk, H, 1, A);
+        else energy = stresses_by_law(chunk, H, A);
+        if (task == CellTask::damped_forces) {
+            Matrix W[8];
+            gradients<kind>(chunk, slots.rate, slots.scratch, W);
+            add_viscous_stresses(chunk, H, W, A);
         }
 
-        float* force = scratch + 3 * lanes * chunk.entries;
+        float* force = slots.scratch + 3 * lanes * chunk.entries;
         for (float *to = force, *end = force + 3 * lanes * chunk.entries; to != end; to += lanes) store(to, Float{});
         for (std::size_t point = 0; point < 8; ++point)
             if (has_point(chunk, point)) scatter_stress(Pairs<kind>::of(chunk, point), A[point], force);
-        scatter_window(chunk, force, f);
+        scatter_window(chunk, force, slots.f);
         return energy;
     }
 
-    static double run(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {
+    static double run(std::span<const CellChunk> chunks, CellTask task, const CellSlots& slots) {
         double energy = 0;
         for (const CellChunk& chunk : chunks) switch (chunk.kind) {
                 case ChunkKind::uniform:
-                    energy += run_chunk<ChunkKind::uniform>(chunk, task, u, f, scratch);
+                    energy += run_chunk<ChunkKind::uniform>(chunk, task, slots);
                     break;
                 case ChunkKind::similar:
-                    energy += run_chunk<ChunkKind::similar>(chunk, task, u, f, scratch);
+                    energy += run_chunk<ChunkKind::similar>(chunk, task, slots);
                     break;
                 case ChunkKind::mixed:
-                    energy += run_chunk<ChunkKind::mixed>(chunk, task, u, f, scratch);
+                    energy += run_chunk<ChunkKind::mixed>(chunk, task, slots);
                     break;
             }
         return energy;

@@ -6,8 +6,8 @@
 
 namespace phyxel {
 
-double cell_kernel_plain(std::span<const CellChunk> chunks, CellTask task, const Float4* u, Float4* f, float* scratch) {
-    return CellKernelBody<PlainLanes<EightFloats>>::run(chunks, task, u, f, scratch);
+double cell_kernel_plain(std::span<const CellChunk> chunks, CellTask task, const CellSlots& slots) {
+    return CellKernelBody<PlainLanes<EightFloats>>::run(chunks, task, slots);
 }
 
 }  // namespace phyxel

@@ -18,12 +18,16 @@ public:
 
     /// f = -dU/dx [N], U the elastic and stabilization energy; returns U [J].
     double forces(const Model& model, std::span<const Vec3> x, const Threads& threads, std::span<Vec3> f);
+    /// The same with the viscous forces of the velocities v [m/s], beta > 0 [s]; see `internal_forces`.
+    void damped_forces(const Model& model, std::span<const Vec3> x, std::span<const Vec3> v, double beta,
+                       const Threads& threads, std::span<Vec3> f);
     /// U [J].
     double energy(const Model& model, std::span<const Vec3> x, const Threads& threads);
 
 private:
     CellBlocks cells_;
     FloatFilter filter_;
+    std::vector<Vec3> ahead_;  ///< [nodes] x + beta v
 };
 
 }  // namespace phyxel

@@ -17,8 +17,7 @@ IncrementalPotential::IncrementalPotential(DynamicBody& b, const Surroundings& s
     : body(b),
       around(surroundings),
       threads(t),
-      fast_(precision == SolverPrecision::single && surroundings.stiffness_damping == 0 ? b.prepare_fast_forces(t)
-                                                                                        : nullptr),
+      fast_(precision == SolverPrecision::single ? b.prepare_fast_forces(t) : nullptr),
       free_(b.constraints.free_components(b.model.rest.size())) {
     velocity_.resize(free_.size());
     velocity_offset.resize(free_.size());
@@ -42,9 +41,11 @@ std::vector<Mat3> IncrementalPotential::supports(std::span<const Vec3> x) {
     return blocks;
 }
 
-void IncrementalPotential::find_velocity(std::span<const Vec3> x) {
+void IncrementalPotential::damped_forces(std::span<const Vec3> x, std::span<Vec3> f) {
     threads.for_each(x.size(), node_chunk,
                      [&](std::size_t i) { velocity_[i] = velocity_share * x[i] - velocity_offset[i]; });
+    if (fast_) fast_->damped_forces(body.model, x, velocity_, stiffness_damping(), threads, f);
+    else internal_forces(body.model, x, velocity_, stiffness_damping(), body.work, threads, f);
 }
 
 void IncrementalPotential::add_contact(std::span<const Vec3> x, std::span<Vec3> f, std::span<Vec3> friction) {
@@ -56,9 +57,9 @@ void IncrementalPotential::add_contact(std::span<const Vec3> x, std::span<Vec3> 
 
 void IncrementalPotential::gradient(std::span<const Vec3> x, std::span<Vec3> g) {
     const Model& m = body.model;
-    if (stiffness_damping() > 0) find_velocity(x);
-    if (fast_) fast_->forces(m, x, threads, g);
-    else internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, g);
+    if (stiffness_damping() > 0) damped_forces(x, g);
+    else if (fast_) fast_->forces(m, x, threads, g);
+    else internal_forces(m, x, {}, 0, body.work, threads, g);
     loads_.assign(x.size(), {});
     for (const SurfaceLoad& load : body.loads) load.add(load_time, x, loads_);
     threads.for_each(x.size(), node_chunk, [&](std::size_t i) {
@@ -75,7 +76,6 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
     const std::size_t n = x.size();
     Forces f;
     for (auto* part : {&f.conservative, &f.viscous, &f.friction, &f.loads, &f.sum}) part->assign(n, {});
-    find_velocity(x);
     if (fast_) {
         f.stored = fast_->forces(m, x, threads, f.conservative);
     } else {
@@ -83,7 +83,7 @@ IncrementalPotential::Forces IncrementalPotential::forces(std::span<const Vec3> 
         f.stored = elastic_energy(m, x, body.work, threads) + stabilization_energy(m, x, body.work, threads);
     }
     if (stiffness_damping() > 0) {
-        internal_forces(m, x, velocity_, stiffness_damping(), body.work, threads, f.viscous);
+        damped_forces(x, f.viscous);
         add_scaled(f.viscous, -1.0, f.conservative, threads);
     }
     body.constraints.add_penalty_forces(time, x, f.conservative);

@@ -61,7 +61,8 @@ public:
 
 private:
     double stiffness_damping() const { return velocity_share > 0 ? around.stiffness_damping : 0; }
-    void find_velocity(std::span<const Vec3> x);
+    /// Writes elastic, stabilization and viscous forces.
+    void damped_forces(std::span<const Vec3> x, std::span<Vec3> f);
     /// f += contact, and friction into `friction`.
     void add_contact(std::span<const Vec3> x, std::span<Vec3> f, std::span<Vec3> friction);
 

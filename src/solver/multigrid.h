@@ -12,8 +12,8 @@ namespace phyxel {
 
 /// Approximate inverse of A = s K(rest) + c M + penalties by one V-cycle of geometric multigrid: lattices of twice,
 /// four times ... the spacing with trilinear interpolation and Galerkin operators, smoothed by a step of damped block
-/// Jacobi before and after, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and positive
-/// definite. Held components stay zero.
+/// Jacobi before and after, and a Cholesky factor where few unknowns are left; in single precision. Symmetric and
+/// positive definite. Held components stay zero.
 ///
 /// The body at rest serves for all of its deformed states, in frames turned with the nodes (`WarpedPreconditioner`).
 class RestMultigrid {

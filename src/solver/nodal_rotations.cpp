@@ -55,8 +55,7 @@ NodalRotations::NodalRotations(const Model& m, const Threads& threads) {
             if (norm(m.rest[j] - m.rest[i]) <= nearest_distance * m.sampling.spacing) nearest.push_back(j);
         if (spans_space(moment_of(m, i, nearest))) around[i] = nearest;
         const Mat3 moment = moment_of(m, i, around[i]);
-        if (spans_space(moment)) inverse_moment[i] = inverse(moment);
-        else around[i].clear();  // thin: F would have no inverse, and no rotation is found
+        if (spans_space(moment)) inverse_moment[i] = inverse(moment);  // else thin: F is zero, no rotation is found
     });
     for (std::size_t i = 0; i < around.size(); ++i) {
         for (const std::uint32_t j : around[i]) gradient_.push_back(inverse_moment[i] * (m.rest[j] - m.rest[i]));
@@ -68,7 +67,18 @@ NodalRotations::NodalRotations(const Model& m, const Threads& threads) {
 Mat3 NodalRotations::rotation_of(std::size_t i, std::span<const Vec3> x) const {
     Mat3 F;
     for (std::uint32_t k = offset_[i]; k < offset_[i + 1]; ++k) F += outer(x[node_[k]] - x[i], gradient_[k]);
-    return determinant(F) > flat_frame ? polar_rotation(F) : Mat3::identity();
+    return determinant(F) > flat_frame ? polar_rotation(F) : Mat3{};
+}
+
+void NodalRotations::follow_neighbors(std::span<Mat3> rotation) const {
+    std::vector<std::pair<std::size_t, Mat3>> found;
+    for (std::size_t i = 0; i < rotation.size(); ++i) {
+        if (!(rotation[i] == Mat3{})) continue;
+        Mat3 sum;
+        for (std::uint32_t k = offset_[i]; k < offset_[i + 1]; ++k) sum += rotation[node_[k]];
+        found.emplace_back(i, determinant(sum) > 0 ? polar_rotation(sum) : Mat3::identity());
+    }
+    for (const auto& [i, R] : found) rotation[i] = R;
 }
 
 }  // namespace phyxel

@@ -12,16 +12,19 @@ class NodalRotations {
 public:
     NodalRotations(const Model& model, const Threads& threads);
 
-    /// Writes the rotations at positions x for the nodes that `turns` says may; none where the neighbourhood is nearly
-    /// flat or inverted.
+    /// Writes the rotations at positions x for the nodes that `turns` says may. Where the neighbourhood is nearly flat
+    /// or inverted, a node turns as its neighbours do on average.
     template <class Turns>
     void find(std::span<const Vec3> x, const Threads& threads, Turns&& turns, std::span<Mat3> rotation) const {
         threads.for_each(rotation.size(), 64,
                          [&](std::size_t i) { rotation[i] = turns(i) ? rotation_of(i, x) : Mat3::identity(); });
+        follow_neighbors(rotation);
     }
 
 private:
+    /// Zero where there is none.
     Mat3 rotation_of(std::size_t node, std::span<const Vec3> x) const;
+    void follow_neighbors(std::span<Mat3> rotation) const;
 
     std::vector<std::uint32_t> offset_{0}, node_;
     std::vector<Vec3> gradient_;  ///< F = sum (x_j - x_i) (x) g_ij
