@@ -24,13 +24,22 @@ constexpr std::array stages = {
 };
 constexpr std::size_t stage_count = stages.size();
 
-/// What a child process sends back; plain bytes.
-struct Measurement {
-    std::size_t nodes = 0, pairs = 0;
-    double seconds = 0;            ///< from the mesh file to the end of the first step
+/// From the mesh file to the end of the first step. Plain bytes, sent from a process of its own, as those below.
+struct Whole {
+    std::size_t nodes = 0;
+    double seconds = 0;
     double processor_seconds = 0;  ///< of all threads together: what other work on the machine changes least
     double peak_bytes = 0;         ///< resident, above what the process held at its start
-    double stage[stage_count] = {};
+};
+
+struct Stages {
+    std::size_t pairs = 0;
+    double seconds[stage_count] = {};
+};
+
+struct Row {
+    Whole explicit_step, implicit_step;
+    Stages stages;
 };
 
 BodySettings settings_for(std::size_t nodes) {
@@ -66,13 +75,13 @@ TriangleMesh read(const std::string& file) {
     return quartered(access(bunny.c_str(), R_OK) == 0 ? read_mesh(bunny) : make_sphere(1));
 }
 
-/// As a user does it: mesh, world, body, one substep.
+/// As a user does it: mesh, world, body, one step.
 template <class Read>
-void measure_whole(Read&& read_surface, std::size_t nodes, int threads, Measurement& m) {
+void measure_whole(Read&& read_surface, std::size_t nodes, Integrator integrator, int threads, Whole& m) {
     const double before = peak_bytes(), busy_before = processor_seconds();
     const Clock::time_point start = Clock::now();
     const TriangleMesh mesh = read_surface();
-    World world({.time_step = 1e-9, .gravity = {0, -9.81, 0}, .threads = threads});
+    World world({.time_step = 1e-9, .gravity = {0, -9.81, 0}, .integrator = integrator, .threads = threads});
     const BodyId body = world.add_body(mesh, settings_for(nodes));
     world.add_collider(Plane{.point = {0, -1e3, 0}});
     world.step();
@@ -83,12 +92,12 @@ void measure_whole(Read&& read_surface, std::size_t nodes, int threads, Measurem
 }
 
 /// Stage by stage, by hand: what `World::add_body` calls.
-void measure_stages(const std::string& file, std::size_t nodes, int thread_count, Measurement& m) {
+void measure_stages(const std::string& file, std::size_t nodes, int thread_count, Stages& m) {
     std::size_t stage = 0;
     const auto timed = [&](auto&& work) {
         const Clock::time_point start = Clock::now();
         auto result = work();
-        m.stage[stage++] = seconds_since(start);
+        m.seconds[stage++] = seconds_since(start);
         return result;
     };
     const Threads threads(thread_count);
@@ -117,7 +126,7 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
     bare.consistency_correction = true;
     DynamicBody body;
     body.model = timed([&] { return build_model(std::move(sampling), bare, threads, report); });
-    m.stage[stage] = m.stage[stage - 1] - plain, ++stage;
+    m.seconds[stage] = m.seconds[stage - 1] - plain, ++stage;
     m.pairs = body.model.stencils.pairs();
     body.model.filter = timed([&] { return build_filter(body.model.sampling, body.model.approximation, threads); });
     const double a = body.model.node_length;
@@ -135,44 +144,55 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
     timed([&] { return leap_frog(body, around, 0, body.rest_step, 1, threads), 0; });
 }
 
-void print_json(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Measurement>& rows) {
+double bytes_a_node(const Whole& m, double fixed) { return (m.peak_bytes - fixed) / static_cast<double>(m.nodes); }
+
+void print_json(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Row>& rows) {
     nlohmann::ordered_json json;
     json["setup"] = {{"mesh", mesh}, {"triangles", triangles}, {"fixed_bytes", fixed}};
-    for (const Measurement& m : rows) {
-        nlohmann::ordered_json entry = {{"nodes", m.nodes},
-                                        {"seconds", m.seconds},
-                                        {"processor_seconds", m.processor_seconds},
-                                        {"peak_bytes", m.peak_bytes},
-                                        {"peak_bytes_per_node", (m.peak_bytes - fixed) / static_cast<double>(m.nodes)}};
-        for (std::size_t s = 0; s < stage_count; ++s) entry["stages"][stages[s] + (stages[s][0] == ' ')] = m.stage[s];
+    for (const Row& row : rows) {
+        nlohmann::ordered_json entry = {{"nodes", row.explicit_step.nodes}};
+        for (const auto& [name, whole] :
+             {std::pair("leap-frog", &row.explicit_step), {"implicit-euler", &row.implicit_step}})
+            entry[name] = {{"seconds", whole->seconds},
+                           {"processor_seconds", whole->processor_seconds},
+                           {"peak_bytes", whole->peak_bytes},
+                           {"peak_bytes_per_node", bytes_a_node(*whole, fixed)}};
+        for (std::size_t s = 0; s < stage_count; ++s)
+            entry["stages"][stages[s] + (stages[s][0] == ' ')] = row.stages.seconds[s];
         json["setup"]["rows"].push_back(entry);
     }
     fmt::print("{}\n", json.dump(2));
 }
 
-void print_table(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Measurement>& rows) {
-    fmt::print("From {} ({} triangles) to the first step\n\n", mesh, triangles);
+void print_table(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Row>& rows) {
+    fmt::print("From {} ({} triangles) to the first step; {:.1f} MB of the memory are those of any body\n\n", mesh,
+               triangles, fixed / 1e6);
     const auto line = [&](const std::string& title, auto&& value) {
         fmt::print("{:<22}", title);
-        for (const Measurement& m : rows) fmt::print(" {:>12}", value(m));
+        for (const Row& row : rows) fmt::print(" {:>12}", value(row));
         fmt::print("\n");
     };
-    line("nodes", [](const Measurement& m) { return fmt::format("{}", m.nodes); });
-    line("pairs a node", [](const Measurement& m) {
-        return fmt::format("{:.0f}", static_cast<double>(m.pairs) / static_cast<double>(m.nodes));
+    line("nodes", [](const Row& row) { return fmt::format("{}", row.explicit_step.nodes); });
+    line("pairs a node", [](const Row& row) {
+        return fmt::format("{:.0f}",
+                           static_cast<double>(row.stages.pairs) / static_cast<double>(row.explicit_step.nodes));
     });
-    line("all [s]", [](const Measurement& m) { return fmt::format("{:.3f}", m.seconds); });
-    line("all processors [s]", [](const Measurement& m) { return fmt::format("{:.3f}", m.processor_seconds); });
-    line("a node [us]",
-         [](const Measurement& m) { return fmt::format("{:.1f}", 1e6 * m.seconds / static_cast<double>(m.nodes)); });
-    line("peak memory [MB]", [](const Measurement& m) { return fmt::format("{:.1f}", m.peak_bytes / 1e6); });
-    line("of it fixed [MB]", [&](const Measurement&) { return fmt::format("{:.1f}", fixed / 1e6); });
-    line("the rest a node [kB]", [&](const Measurement& m) {
-        return fmt::format("{:.1f}", (m.peak_bytes - fixed) / 1e3 / static_cast<double>(m.nodes));
-    });
-    fmt::print("\nstages [s], measured one by one\n");
+    for (const auto& [name, member] :
+         {std::pair("leap-frog", &Row::explicit_step), {"implicit Euler", &Row::implicit_step}}) {
+        const auto whole = [&](const char* title, const char* format, auto&& value) {
+            line(title, [&](const Row& row) { return fmt::format(fmt::runtime(format), value(row.*member)); });
+        };
+        fmt::print("{}\n", name);
+        whole("  all [s]", "{:.3f}", [](const Whole& m) { return m.seconds; });
+        whole("  all processors [s]", "{:.3f}", [](const Whole& m) { return m.processor_seconds; });
+        whole("  a node [us]", "{:.1f}", [](const Whole& m) { return 1e6 * m.seconds / static_cast<double>(m.nodes); });
+        whole("  peak memory [MB]", "{:.1f}", [](const Whole& m) { return m.peak_bytes / 1e6; });
+        whole("  a node [kB]", "{:.1f}", [&](const Whole& m) { return bytes_a_node(m, fixed) / 1e3; });
+    }
+    fmt::print("\nstages of leap-frog [s], measured one by one\n");
     for (std::size_t s = 0; s < stage_count; ++s)
-        line(fmt::format("  {}", stages[s]), [&](const Measurement& m) { return fmt::format("{:.3f}", m.stage[s]); });
+        line(fmt::format("  {}", stages[s]),
+             [&](const Row& row) { return fmt::format("{:.3f}", row.stages.seconds[s]); });
 }
 
 }  // namespace
@@ -182,20 +202,18 @@ int run_setup(const Options& options) {
     std::vector<std::size_t> sizes = {2000, 20000};
     if (options.large) sizes.push_back(200000);
     if (options.nodes > 0) sizes = {options.nodes};
+    const auto whole = [&](auto&& read_surface, std::size_t nodes, Integrator integrator) {
+        return in_child<Whole>(
+            [&](Whole& out) { measure_whole(read_surface, nodes, integrator, options.threads, out); });
+    };
     // What a body of a few nodes takes: code and tables of the libraries, the pool of threads.
-    const double fixed = in_child<Measurement>([&](Measurement& out) {
-                             measure_whole([] { return make_box({1, 1, 1}); }, 27, options.threads, out);
-                         }).peak_bytes;
-    std::vector<Measurement> rows;
-    for (const std::size_t nodes : sizes) {
-        Measurement m = in_child<Measurement>(
-            [&](Measurement& out) { measure_whole([&] { return read(file); }, nodes, options.threads, out); });
-        const Measurement parts =
-            in_child<Measurement>([&](Measurement& out) { measure_stages(file, nodes, options.threads, out); });
-        std::copy(std::begin(parts.stage), std::end(parts.stage), m.stage);
-        m.pairs = parts.pairs;
-        rows.push_back(m);
-    }
+    const double fixed = whole([] { return make_box({1, 1, 1}); }, 27, Integrator::leap_frog).peak_bytes;
+    const auto read_file = [&] { return read(file); };
+    std::vector<Row> rows;
+    for (const std::size_t nodes : sizes)
+        rows.push_back({whole(read_file, nodes, Integrator::leap_frog),
+                        whole(read_file, nodes, Integrator::implicit_euler),
+                        in_child<Stages>([&](Stages& out) { measure_stages(file, nodes, options.threads, out); })});
     const std::size_t triangles = read(file).triangles.size();
     const std::string name = file.empty() ? "the bunny, quartered" : file;
     if (options.as_json) print_json(name, triangles, fixed, rows);
