@@ -97,7 +97,7 @@ int run_irregular_steps(const Options& options) {
                              gained / drop});
             const std::string what = scheme + ", " + kind;
             results.expect(what + ": every step was found", completed);
-            results.expect_at_most(what + ": steps cut into smaller ones", double(retries), kind == "0.5 s" ? 2 : 0);
+            results.expect_at_most(what + ": steps cut into smaller ones", double(retries), 0);
             results.expect_at_most(what + ": last height against statics [m]",
                                    std::abs(swinging.height() - rest.height()), 2e-3);
             if (integrator == Integrator::implicit_euler)

@@ -183,8 +183,10 @@ void BodyContact::add_lumped(const std::vector<Vec3>& x, std::vector<Mat3>& bloc
         if (dot(pair.spring.normal, apart(pair, x)) < 0)
             K += pair.spring.stiffness * outer(pair.spring.normal, pair.spring.normal);
         if (pair.spring.limit > 0) K += pair.spring.held_stiffness(slip(pair, x));
+        double sum = 0;  // w w^T <= (sum |w|) diag(|w|)
+        for (std::uint32_t k = pair.begin; k < pair.end; ++k) sum += std::abs(entries_[k].weight);
         for (std::uint32_t k = pair.begin; k < pair.end; ++k)
-            blocks[entries_[k].node] += std::abs(entries_[k].weight) * K;
+            blocks[entries_[k].node] += sum * std::abs(entries_[k].weight) * K;
     }
 }
 

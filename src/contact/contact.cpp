@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace phyxel {
@@ -57,6 +58,7 @@ ContactSamples::ContactSamples(const Model& model, const ContactSurface& surface
         group.nodes.assign(begin, end);
         std::sort(group.nodes.begin(), group.nodes.end());
         group.nodes.erase(std::unique(group.nodes.begin(), group.nodes.end()), group.nodes.end());
+        group.stands_out = stands_out(group, positions, model.rest);
     }
     std::vector<double> covered(model.rest.size());
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -84,16 +86,34 @@ void ContactSamples::add_to(Hasher& hasher) const {
     hasher.add_values(std::span<const double>(samples_.phi));
 }
 
-Bounds ContactSamples::reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x) {
+/// How far samples are from the nearest of their nodes, where any lies outside of the box of the group's nodes; else 0.
+double ContactSamples::stands_out(const Group& group, std::span<const Vec3> positions,
+                                  std::span<const Vec3> rest) const {
     Bounds box;
-    for (std::uint32_t n : nodes) box.add(x[n]);
-    box.grow(0.2 * norm(box.size()));
+    for (std::uint32_t n : group.nodes) box.add(rest[n]);
+    double furthest = 0;
+    for (std::uint32_t s = group.begin; s < group.end; ++s) {
+        Bounds point;
+        point.add(positions[s]);
+        if (box.overlaps(point)) continue;
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::uint32_t k = samples_.offset[s]; k < samples_.offset[s + 1]; ++k)
+            nearest = std::min(nearest, norm(positions[s] - rest[samples_.node[k]]));
+        furthest = std::max(furthest, nearest);
+    }
+    return furthest;
+}
+
+Bounds ContactSamples::reach_of(const Group& group, std::span<const Vec3> x) {
+    Bounds box;
+    for (std::uint32_t n : group.nodes) box.add(x[n]);
+    box.grow(std::max(0.2 * norm(box.size()), 1.25 * group.stands_out));
     return box;
 }
 
 Bounds ContactSamples::reach(std::span<const Vec3> x) const {
     Bounds all;
-    for (const Group& group : groups_) all.add(reach_of(group.nodes, x));
+    for (const Group& group : groups_) all.add(reach_of(group, x));
     return all;
 }
 
@@ -101,7 +121,7 @@ std::vector<ContactSamples::Touch> ContactSamples::touches(std::span<const Colli
                                                            const Threads& threads) const {
     std::vector<std::vector<Touch>> found(groups_.size());
     threads.for_each(groups_.size(), 4, [&](std::size_t g) {
-        const Bounds box = reach_of(groups_[g].nodes, x);
+        const Bounds box = reach_of(groups_[g], x);
         std::vector<std::uint32_t> near;
         for (std::uint32_t c = 0; c < colliders.size(); ++c)
             if (colliders[c].distance_to_box(box.lower, box.upper) < 0) near.push_back(c);

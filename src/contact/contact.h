@@ -97,7 +97,7 @@ public:
     template <class Visit>
     void visit_near(const Bounds& box, std::span<const Vec3> x, Visit&& visit) const {
         for (const Group& group : groups_)
-            if (reach_of(group.nodes, x).overlaps(box)) visit(group.begin, group.end);
+            if (reach_of(group, x).overlaps(box)) visit(group.begin, group.end);
     }
 
     /// How deep [m] the deepest sample is inside of an obstacle; 0 when none is.
@@ -122,13 +122,16 @@ private:
     struct Group {
         std::uint32_t begin, end;  ///< samples
         std::vector<std::uint32_t> nodes;
+        double stands_out =
+            0;  ///< [m] how far a sample is from the nearest of its nodes, where some are outside of them
     };
+    double stands_out(const Group& group, std::span<const Vec3> positions, std::span<const Vec3> rest) const;
 
     Vec3 slip(const Rub& rub, std::span<const Vec3> x) const {
         return rub.spring.slip(samples_.position(rub.stick.sample, x) - rub.stick.anchor);
     }
     /// Bounding box of some nodes, widened: shape functions have some negative values, and samples may stick out.
-    static Bounds reach_of(std::span<const std::uint32_t> nodes, std::span<const Vec3> x);
+    static Bounds reach_of(const Group& group, std::span<const Vec3> x);
 
     EmbeddedPoints samples_;  ///< in the order of the groups
     MovingSurface surface_;

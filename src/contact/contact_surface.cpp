@@ -39,7 +39,7 @@ public:
     Nearest nearest(const Vec3& place) const {
         const SurfaceFoot foot = closest_point(mesh_, tree_, place, std::numeric_limits<double>::infinity());
         const Vec3 outward = triangles_.outward(mesh_.vertices, foot);
-        const bool outside = foot.distance > least_ && dot(place - foot.point.position, outward) > 0;
+        const bool outside = foot.distance > least_ && !(dot(place - foot.point.position, outward) < 0);
         return {foot.point.position, outward, outside ? foot.distance : 0};
     }
     std::vector<Nearest> nearest(const std::vector<Vec3>& places, const Threads& threads) const {

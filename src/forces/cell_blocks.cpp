@@ -13,9 +13,10 @@ constexpr int block_edge = 8;  ///< cells a block along each axis: its slots and
 constexpr std::size_t gathered_chunk = 512;
 constexpr std::size_t most_samples = 12;  ///< nodes that tell how a block is turned
 
-/// As floats, none of them shared.
-std::size_t bytes_of_gradients(const Model& m, CellPoints points) {
-    return sizeof(Vec3f) * m.stencils.pairs() / (points == CellPoints::all ? 1 : 8);
+/// Whether gradients, as floats and none of them shared, are more than the cache holds. (Those of one point a cell are
+/// few.)
+bool has_families(const Model& m, const CellOptions& options) {
+    return options.points == CellPoints::all && sizeof(Vec3f) * m.stencils.pairs() > options.cached_gradients;
 }
 
 int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell) / block_edge; }
@@ -23,8 +24,7 @@ int block_of(int cell) { return cell >= 0 ? cell / block_edge : -1 - (-1 - cell)
 }  // namespace
 
 CellBlocks::CellBlocks(const Model& model, const Threads& threads, const CellOptions& options)
-    : groups_(group_cells(model, options.tolerance,
-                          bytes_of_gradients(model, options.points) > options.cached_gradients, threads)),
+    : groups_(group_cells(model, options.tolerance, has_families(model, options), threads)),
       lanes_(cell_lanes(options.instructions)),
       kernel_(cell_kernel(options.instructions)),
       points_(options.points),

@@ -50,7 +50,7 @@ BodySettings complete_settings(const Scene& scene, const SceneBody& body) {
 
 /// What a body is refused for is told by the words of the message alone: its mesh, its spacing, or anything else.
 const Place& place_of(const SceneBody& body, std::string_view message) {
-    if (message.find("contact_mesh") != message.npos) return body.contact_place;
+    if (message.find("contact_mesh: ") != message.npos) return body.contact_place;
     if (message.find("cannot be simulated") != message.npos) return body.surface_place;
     if (message.find("spacing of") != message.npos) return body.sampling_place;
     return body.place;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double nearest_distance = 1.01;  ///< [spacings]
 constexpr double least_extent = 0.05;      ///< of a neighbourhood's squared extents, against the largest of them
-constexpr double flat_frame = 0.1;         ///< of det F, below which a node's frame is left as it is
+constexpr double flat_frame = 0.1;         ///< of det F, below which a node has no frame of its own
 
 /// Nodes that the points of each node's own cells see, ascending: none beyond a gap.
 std::vector<std::vector<std::uint32_t>> neighborhoods(const Model& m) {

@@ -13,7 +13,7 @@ public:
     NodalRotations(const Model& model, const Threads& threads);
 
     /// Writes the rotations at positions x for the nodes that `turns` says may. Where the neighbourhood is nearly flat
-    /// or inverted, a node turns as its neighbours do on average.
+    /// or inverted, a node turns as its neighbours do on average, those that may not turn among them.
     template <class Turns>
     void find(std::span<const Vec3> x, const Threads& threads, Turns&& turns, std::span<Mat3> rotation) const {
         threads.for_each(rotation.size(), 64,

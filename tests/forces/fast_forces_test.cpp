@@ -76,10 +76,14 @@ TEST(FastForces, of_a_body_that_turns_have_no_viscous_part) {
 
 TEST(FastForces, are_the_same_for_any_number_of_threads) {
     const Model m = turned_box(0.2);
-    const auto x = turned_stretched_and_shaken(m);
+    const auto x = turned_stretched_and_shaken(m), v = random_field(x.size(), 0.2, 3);
     const auto forces = [&](const Threads& with) {
         std::vector<Vec3> f(x.size());
-        FastForces(m, CellBlocks(m, with)).forces(m, x, with, f);
+        FastForces fast(m, CellBlocks(m, with));
+        fast.forces(m, x, with, f);
+        std::vector<Vec3> damped(x.size());
+        fast.damped_forces(m, x, v, 0.3, with, damped);
+        f.insert(f.end(), damped.begin(), damped.end());
         return f;
     };
     const auto f = forces(Threads(1));

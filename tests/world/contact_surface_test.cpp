@@ -97,6 +97,22 @@ TEST(ContactSurface, larger_than_its_body_stops_others_where_it_is) {
     EXPECT_GT(world.step().contacts, 0u);
 }
 
+// A surface two spacings below its body: its points lie outside of the box around the nodes that carry
+// them.
+TEST(ContactSurface, far_outside_of_its_body_is_felt_from_where_it_is) {
+    BodySettings settings = small_body({.translation = {0, 0.13, 0}, .velocity = {0, -1, 0}});
+    settings.material.youngs_modulus = 1e6;
+    const double margin = 0.05;
+    settings.contact_mesh = make_box({0.09, 0.1 + 2 * margin, 0.09});
+    World world({.time_step = 1e-3, .gravity = {}});
+    const BodyId body = world.add_body(cube_mesh, settings);
+    world.add_collider(Plane{});
+    for (int step = 0; step < 60 && world.step().contacts == 0; ++step) {
+    }
+    // One step of 1 mm at most is the first contact deep.
+    EXPECT_NEAR(center_of_mass(world, body).y, 0.05 + margin, 2e-3);
+}
+
 TEST(ContactSurface, equal_to_the_mesh_changes_no_bit) {
     const auto hash = [](bool given, Integrator integrator) {
         World world({.integrator = integrator, .threads = 2});
@@ -264,7 +280,7 @@ TEST(ContactSurface, that_cannot_work_is_refused_with_the_place_and_the_remedy) 
                  "scale, rotation and translation of the body act on both"});
     // In another unit: told by its vertices, before it is cut into triangles of the size of the lattice.
     expect(make_box({1e9, 1e9, 1e9}), {"vertex", "away from the body"});
-    // Corners on the body, but not what is between them.
+    // An open triangle on the body is accepted.
     TriangleMesh bow = {{{-50, -50, 50}, {50, -50, 50}, {0, 50, 50}}, {{0, 1, 2}}, {}, {}};
     EXPECT_EQ(refusal(bow), "");
 }
