@@ -87,14 +87,12 @@ void print_table(const std::vector<KernelRow>& rows, double peak, int threads) {
         "                                  stiffness at rest                |    with 1e-2     | forces  energy | "
         "double\n");
     fmt::print(
-        " nodes uniform similar     MB |      ms  ns/point GFlop/s   peak |      ms    peak |     ms      ms |     ms  "
-        " "
-        "ratio\n");
+        " nodes uniform similar     MB |      ms  ns/point GFlop/s   peak |      ms    peak |     ms      ms | "
+        "    ms   ratio\n");
     for (const KernelRow& r : rows)
         fmt::print(
-            "{:>6} {:>6.0f}% {:>6.0f}% {:>6.1f} | {:>7.3f} {:>9.1f} {:>7.1f} {:>5.0f}% | {:>7.3f} {:>6.0f}% | {:>6.3f} "
-            "{:>7.3f} "
-            "| {:>6.3f} {:>7.1f}\n",
+            "{:>6} {:>6.0f}% {:>6.0f}% {:>6.1f} | {:>7.3f} {:>9.1f} {:>7.1f} {:>5.0f}% | {:>7.3f} {:>6.0f}% | "
+            "{:>6.3f} {:>7.3f} | {:>6.3f} {:>7.1f}\n",
             r.nodes, 100 * r.uniform_share, 100 * r.similar_share, 1e-6 * r.bytes, 1e3 * r.rest_action,
             r.nanoseconds_a_point(), 1e-9 * r.flops(r.rest_action), share(r, r.rest_action), 1e3 * r.loose_rest_action,
             share(r, r.loose_rest_action), 1e3 * r.forces, 1e3 * r.energy, 1e3 * r.double_forces,

@@ -19,7 +19,8 @@ enum class Tangent {
 
 /// Of the internal forces while an implicit step is looked for.
 enum class SolverPrecision {
-    single,  ///< default: ten times as fast; tolerances below 1e-5, where its rounding would be felt, take `full`
+    single,  ///< default: two to three times as fast; tolerances below 1e-5, where its rounding would be felt, take
+             ///< `full`
     full,
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,12 @@ struct EmbeddedPoints {
         Vec3 x{};
         for (std::uint32_t k = offset[p]; k < offset[p + 1]; ++k) x += phi[k] * nodes[node[k]];
         return x;
+    }
+    /// sum |phi_i| of a point: phi phi^T <= sum |phi| diag(|phi|).
+    double absolute_sum(std::size_t p) const {
+        double sum = 0;
+        for (std::uint32_t k = offset[p]; k < offset[p + 1]; ++k) sum += std::abs(phi[k]);
+        return sum;
     }
     /// Deformation gradient at the point; needs `gradient`.
     Mat3 deformation_gradient(std::size_t p, std::span<const Vec3> nodes) const {

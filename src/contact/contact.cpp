@@ -62,8 +62,7 @@ ContactSamples::ContactSamples(const Model& model, const ContactSurface& surface
     }
     std::vector<double> covered(model.rest.size());
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-        double total = 0;
-        for (std::uint32_t k = samples_.offset[i]; k < samples_.offset[i + 1]; ++k) total += std::abs(samples_.phi[k]);
+        const double total = samples_.absolute_sum(i);
         for (std::uint32_t k = samples_.offset[i]; k < samples_.offset[i + 1]; ++k)
             covered[samples_.node[k]] += total * std::abs(samples_.phi[k]);
     }
@@ -86,7 +85,6 @@ void ContactSamples::add_to(Hasher& hasher) const {
     hasher.add_values(std::span<const double>(samples_.phi));
 }
 
-/// How far samples are from the nearest of their nodes, where any lies outside of the box of the group's nodes; else 0.
 double ContactSamples::stands_out(const Group& group, std::span<const Vec3> positions,
                                   std::span<const Vec3> rest) const {
     Bounds box;

@@ -122,15 +122,16 @@ private:
     struct Group {
         std::uint32_t begin, end;  ///< samples
         std::vector<std::uint32_t> nodes;
-        double stands_out =
-            0;  ///< [m] how far a sample is from the nearest of its nodes, where some are outside of them
+        double stands_out = 0;  ///< [m] see below
     };
+    /// How far samples are from the nearest of their nodes, where any lies outside of the box of the group's nodes;
+    /// else 0.
     double stands_out(const Group& group, std::span<const Vec3> positions, std::span<const Vec3> rest) const;
 
     Vec3 slip(const Rub& rub, std::span<const Vec3> x) const {
         return rub.spring.slip(samples_.position(rub.stick.sample, x) - rub.stick.anchor);
     }
-    /// Bounding box of some nodes, widened: shape functions have some negative values, and samples may stick out.
+    /// Bounding box of a group's nodes, widened: shape functions have some negative values, and samples may stand out.
     static Bounds reach_of(const Group& group, std::span<const Vec3> x);
 
     EmbeddedPoints samples_;  ///< in the order of the groups

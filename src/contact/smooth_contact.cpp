@@ -1,6 +1,7 @@
 #include "contact/contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace phyxel {
@@ -60,11 +61,8 @@ std::vector<ContactSamples::Stick> ContactSamples::sticks(std::span<const Rub> r
 
 void ContactSamples::add_lumped(std::span<const Touch> touches, std::span<const Rub> rubs, std::span<const Vec3> x,
                                 std::span<Mat3> blocks) const {
-    // phi phi^T <= (sum |phi|) diag(|phi|)
     const auto add = [&](std::uint32_t sample, const Mat3& K) {
-        double sum = 0;
-        for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
-            sum += std::abs(samples_.phi[k]);
+        const double sum = samples_.absolute_sum(sample);
         for (std::uint32_t k = samples_.offset[sample]; k < samples_.offset[sample + 1]; ++k)
             blocks[samples_.node[k]] += sum * std::abs(samples_.phi[k]) * K;
     };

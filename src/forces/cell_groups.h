@@ -56,7 +56,8 @@ inline constexpr double close_gradients = 3e-6;
 /// Gradients that differ by less are similar: their differences fit 16 bits (cell_kernel.h).
 inline constexpr double similar_gradients = 2e-3;
 
-/// Groups within `tolerance` of each other, as `close_gradients`, get one shape; without `families` each shape is one.
+/// Groups within `tolerance` of each other, as `close_gradients`, get one shape; families are found only if `families`
+/// asks for them, else there are no leaders and all numbers are 0.
 CellGroups group_cells(const Model& model, double tolerance, bool families, const Threads& threads);
 
 }  // namespace phyxel

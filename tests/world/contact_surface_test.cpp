@@ -53,13 +53,6 @@ TriangleMesh make_crate(double length, double width) {
     return mesh;
 }
 
-void settle(World& world, int steps) {
-    for (int k = 0; k < steps; ++k) {
-        const StepReport report = world.step();
-        ASSERT_EQ(report.status, StepStatus::ok) << report.message;
-    }
-}
-
 TEST(ContactSurface, lets_a_fine_sphere_rest_on_the_flat_side_of_a_coarse_one) {
     constexpr double R = 0.1;
     const double flat = R * std::sqrt((5 + 2 * std::sqrt(5.0)) / 15);  // from the middle to a side
@@ -73,7 +66,7 @@ TEST(ContactSurface, lets_a_fine_sphere_rest_on_the_flat_side_of_a_coarse_one) {
         const BodyId ball = world.add_body(make_sphere(R), settings);
         EXPECT_TRUE(world.warnings().empty());
         world.add_collider(Plane{});
-        settle(world, integrator == Integrator::implicit_euler ? 60 : 30);
+        take_steps(world, integrator == Integrator::implicit_euler ? 60 : 30);
         EXPECT_LT(world.energy().kinetic, 1e-6);
         EXPECT_NEAR(center_of_mass(world, ball).y, flat, 0.01 * R);
         EXPECT_NEAR(norm(center_of_mass(world, ball) - Vec3{0, flat, 0}), 0, 0.01 * R);
@@ -91,7 +84,7 @@ TEST(ContactSurface, larger_than_its_body_stops_others_where_it_is) {
     const BodyId high = world.add_body(cube_mesh, settings);
     world.add_collider(Plane{});
     EXPECT_TRUE(world.warnings().empty());  // they begin side by side
-    settle(world, 60);
+    take_steps(world, 60);
     EXPECT_NEAR(center_of_mass(world, low).y, 0.05 + margin, 0.03 * margin + 1e-4);
     EXPECT_NEAR(center_of_mass(world, high).y - center_of_mass(world, low).y, 0.1 + 2 * margin, 0.1 * margin);
     EXPECT_GT(world.step().contacts, 0u);
@@ -126,7 +119,7 @@ TEST(ContactSurface, equal_to_the_mesh_changes_no_bit) {
             world.add_body(mesh, settings);
         }
         world.add_collider(Plane{.point = {0, -0.03, 0}});
-        settle(world, 4);
+        take_steps(world, 4);
         EXPECT_GT(world.step().contacts, 0u);
         return world.state_hash();
     };
@@ -155,15 +148,15 @@ TEST(ContactSurface, is_made_when_something_can_touch_and_when_changes_no_bit) {
         const Plane floor{.point = {0, -0.14, 0}};
         World early = begin(), late = begin();
         early.add_collider(floor);
-        settle(early, 2);
-        settle(late, 2);
+        take_steps(early, 2);
+        take_steps(late, 2);
         EXPECT_FALSE(late.parts().bodies[0]->contact.has_value());
         const TemporaryDirectory folder;
         early.save_checkpoint(folder / "checkpoint");
         late.add_collider(floor);
         std::size_t touched = 0;
         for (int k = 0; k < 6; ++k) {
-            settle(early, 1);
+            take_steps(early, 1);
             touched += late.step().contacts;
         }
         EXPECT_GT(touched, 0u);
@@ -172,7 +165,7 @@ TEST(ContactSurface, is_made_when_something_can_touch_and_when_changes_no_bit) {
         World resumed = begin();
         resumed.add_collider(floor);
         resumed.load_checkpoint(folder / "checkpoint");
-        settle(resumed, 6);
+        take_steps(resumed, 6);
         EXPECT_EQ(resumed.state_hash(), early.state_hash());
     }
 }
@@ -182,15 +175,15 @@ TEST(ContactSurface, of_a_lone_body_is_made_when_another_comes) {
         const bool meet = integrator == Integrator::implicit_euler;
         World world({.gravity = {}, .integrator = integrator});
         world.add_body(cube_mesh, small_body());
-        settle(world, 1);
+        take_steps(world, 1);
         EXPECT_FALSE(world.parts().bodies[0]->contact.has_value());
         const BodyId other =
             world.add_body(cube_mesh, small_body({.translation = {0, 0.11, 0}, .velocity = {0, -1, 0}}));
         EXPECT_EQ(world.parts().bodies[0]->contact.has_value(), meet);
-        settle(world, 2);
+        take_steps(world, 2);
         EXPECT_EQ(world.step().contacts > 0, meet);
         world.remove_body(other);
-        settle(world, 1);
+        take_steps(world, 1);
     }
 }
 
@@ -219,7 +212,7 @@ TEST(ContactSurface, that_is_open_holds_the_body_off_obstacles_and_out_of_others
         ASSERT_EQ(warnings.size(), 2u);
         EXPECT_NE(warnings[0].message.find("\"boot\" is not closed"), std::string::npos) << warnings[0].message;
         EXPECT_NE(warnings[1].message.find("\"shoe\" is not closed"), std::string::npos) << warnings[1].message;
-        settle(world, 40);
+        take_steps(world, 40);
         EXPECT_NEAR(center_of_mass(world, shoe).y, 0.06, 5e-4);
         EXPECT_NEAR(center_of_mass(world, boot).y - center_of_mass(world, ground).y, 0.11, 1e-3);
     }
@@ -319,12 +312,12 @@ TEST(ContactSurface, is_part_of_what_a_checkpoint_is_of) {
     };
     const TemporaryDirectory folder;
     World world = make(0.11);
-    settle(world, 4);
+    take_steps(world, 4);
     world.save_checkpoint(folder / "checkpoint");
-    settle(world, 3);
+    take_steps(world, 3);
     World resumed = make(0.11);
     resumed.load_checkpoint(folder / "checkpoint");
-    settle(resumed, 3);
+    take_steps(resumed, 3);
     EXPECT_EQ(resumed.state_hash(), world.state_hash());
     for (const double side : {0.0, 0.108}) {
         World other = make(side);

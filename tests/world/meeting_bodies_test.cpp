@@ -15,13 +15,6 @@ WorldSettings implicit(WorldSettings settings = {}) {
     return settings;
 }
 
-void run(World& world, int steps) {
-    for (int k = 0; k < steps; ++k) {
-        const StepReport report = world.step();
-        ASSERT_EQ(report.status, StepStatus::ok) << report.message;
-    }
-}
-
 TEST(MeetingBodies, exchange_momentum_and_lose_none_but_for_what_the_step_is_solved_to) {
     World world(implicit({.time_step = 1e-3, .gravity = {}}));
     const BodyId left = world.add_body(cube_mesh, small_body({.translation = {-0.06, 0, 0}, .velocity = {1, 0, 0}}));
@@ -39,7 +32,7 @@ TEST(MeetingBodies, exchange_momentum_and_lose_none_but_for_what_the_step_is_sol
     };
     const Vec3 p = momentum(linear), l = momentum(angular);
     const double size = 2 * world.report(left).mass;
-    run(world, 100);
+    take_steps(world, 100);
     EXPECT_GT(mean_velocity(world, right).x, 0.5);  // it was hit by the heavier one
     EXPECT_LT(norm(momentum(linear) - p), 1e-4 * size);
     // A pair pushes along its normal, which is off the line between its ends by the friction it bears.
@@ -56,7 +49,7 @@ TEST(MeetingBodies, rest_on_each_other_with_the_weight_of_what_lies_above) {
     const BodyId load = world.add_body(cube_mesh, high);
     world.add_collider(Plane{});
     const std::size_t top = world.add_probe(base, {0, 0.1, 0}), bottom = world.add_probe(load, {0, 0.105, 0});
-    run(world, 120);
+    take_steps(world, 120);
     // As quiet as steps are that are solved to a share of the way of a free one.
     const double slowest = default_step_tolerance * g / 60;
     EXPECT_LT(world.energy().kinetic, 0.5 * 2 * world.report(base).mass * slowest * slowest);
@@ -82,7 +75,7 @@ double slide(double mu, double seconds) {
     settings.friction = mu;
     settings.material.youngs_modulus = 1e6;
     const BodyId cube = world.add_body(cube_mesh, settings);
-    run(world, static_cast<int>(std::lround(60 * seconds)));
+    take_steps(world, static_cast<int>(std::lround(60 * seconds)));
     return center_of_mass(world, cube).x;
 }
 
@@ -114,25 +107,25 @@ struct Pile {
 TEST(MeetingBodies, have_the_same_bits_for_any_number_of_threads_and_after_a_resume) {
     for (Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
         Pile one({.integrator = integrator, .threads = 1});
-        run(one.world, 6);
+        take_steps(one.world, 6);
         const test::TemporaryDirectory folder;
         one.world.save_checkpoint(folder / "checkpoint");
-        run(one.world, 3);
+        take_steps(one.world, 3);
         for (int threads : integrator == Integrator::bdf2 ? std::vector<int>{} : std::vector{2, 3, 8}) {
             Pile many({.integrator = integrator, .threads = threads});
-            run(many.world, 9);
+            take_steps(many.world, 9);
             EXPECT_EQ(many.world.state_hash(), one.world.state_hash()) << threads;
         }
         Pile resumed({.integrator = integrator});
         resumed.world.load_checkpoint(folder / "checkpoint");
-        run(resumed.world, 3);
+        take_steps(resumed.world, 3);
         EXPECT_EQ(resumed.world.state_hash(), one.world.state_hash());
     }
 }
 
 TEST(MeetingBodies, that_pile_up_stay_apart) {
     Pile pile(implicit());
-    run(pile.world, 60);
+    take_steps(pile.world, 60);
     EXPECT_LT(pile.world.energy().balance_error, 0.01);
     for (std::size_t i = 0; i < pile.bodies.size(); ++i) {
         EXPECT_TRUE(all_finite(pile.world, pile.bodies[i]));
@@ -152,10 +145,10 @@ TEST(MeetingBodies, that_begin_inside_of_each_other_pass_through_and_it_is_said)
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_NE(warnings.front().message.find("body 1 begins 0.05 m inside of body 0"), std::string::npos)
         << warnings.front().message;
-    run(world, 3);
+    take_steps(world, 3);
     EXPECT_LT(world.energy().kinetic, 1e-12);
     world.remove_body(one);
-    run(world, 3);
+    take_steps(world, 3);
     EXPECT_LT(world.energy().kinetic, 1e-12);
 }
 

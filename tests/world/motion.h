@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
 #include "phyxel/phyxel.h"
@@ -31,6 +33,14 @@ inline Vec3 mean_velocity(const World& world, BodyId body) {
         mass += world.masses(body)[i];
     }
     return sum / mass;
+}
+
+/// Steps that must all be found.
+inline void take_steps(World& world, int count) {
+    for (int k = 0; k < count; ++k) {
+        const StepReport report = world.step();
+        ASSERT_EQ(report.status, StepStatus::ok) << report.message;
+    }
 }
 
 /// Whether every node is somewhere and every speed a number.
