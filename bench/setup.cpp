@@ -37,7 +37,7 @@ struct Stages {
     double seconds[stage_count] = {};
 };
 
-struct Row {
+struct SetupRow {
     Whole explicit_step, implicit_step;
     Stages stages;
 };
@@ -146,10 +146,10 @@ void measure_stages(const std::string& file, std::size_t nodes, int thread_count
 
 double bytes_a_node(const Whole& m, double fixed) { return (m.peak_bytes - fixed) / static_cast<double>(m.nodes); }
 
-void print_json(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Row>& rows) {
+void print_json(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<SetupRow>& rows) {
     nlohmann::ordered_json json;
     json["setup"] = {{"mesh", mesh}, {"triangles", triangles}, {"fixed_bytes", fixed}};
-    for (const Row& row : rows) {
+    for (const SetupRow& row : rows) {
         nlohmann::ordered_json entry = {{"nodes", row.explicit_step.nodes}};
         for (const auto& [name, whole] :
              {std::pair("leap-frog", &row.explicit_step), {"implicit-euler", &row.implicit_step}})
@@ -164,23 +164,23 @@ void print_json(const std::string& mesh, std::size_t triangles, double fixed, co
     fmt::print("{}\n", json.dump(2));
 }
 
-void print_table(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<Row>& rows) {
+void print_table(const std::string& mesh, std::size_t triangles, double fixed, const std::vector<SetupRow>& rows) {
     fmt::print("From {} ({} triangles) to the first step; {:.1f} MB of the memory are those of any body\n\n", mesh,
                triangles, fixed / 1e6);
     const auto line = [&](const std::string& title, auto&& value) {
         fmt::print("{:<22}", title);
-        for (const Row& row : rows) fmt::print(" {:>12}", value(row));
+        for (const SetupRow& row : rows) fmt::print(" {:>12}", value(row));
         fmt::print("\n");
     };
-    line("nodes", [](const Row& row) { return fmt::format("{}", row.explicit_step.nodes); });
-    line("pairs a node", [](const Row& row) {
+    line("nodes", [](const SetupRow& row) { return fmt::format("{}", row.explicit_step.nodes); });
+    line("pairs a node", [](const SetupRow& row) {
         return fmt::format("{:.0f}",
                            static_cast<double>(row.stages.pairs) / static_cast<double>(row.explicit_step.nodes));
     });
     for (const auto& [name, member] :
-         {std::pair("leap-frog", &Row::explicit_step), {"implicit Euler", &Row::implicit_step}}) {
+         {std::pair("leap-frog", &SetupRow::explicit_step), {"implicit Euler", &SetupRow::implicit_step}}) {
         const auto whole = [&](const char* title, const char* format, auto&& value) {
-            line(title, [&](const Row& row) { return fmt::format(fmt::runtime(format), value(row.*member)); });
+            line(title, [&](const SetupRow& row) { return fmt::format(fmt::runtime(format), value(row.*member)); });
         };
         fmt::print("{}\n", name);
         whole("  all [s]", "{:.3f}", [](const Whole& m) { return m.seconds; });
@@ -192,7 +192,7 @@ void print_table(const std::string& mesh, std::size_t triangles, double fixed, c
     fmt::print("\nstages of leap-frog [s], measured one by one\n");
     for (std::size_t s = 0; s < stage_count; ++s)
         line(fmt::format("  {}", stages[s]),
-             [&](const Row& row) { return fmt::format("{:.3f}", row.stages.seconds[s]); });
+             [&](const SetupRow& row) { return fmt::format("{:.3f}", row.stages.seconds[s]); });
 }
 
 }  // namespace
@@ -209,7 +209,7 @@ int run_setup(const Options& options) {
     // What a body of a few nodes takes: code and tables of the libraries, the pool of threads.
     const double fixed = whole([] { return make_box({1, 1, 1}); }, 27, Integrator::leap_frog).peak_bytes;
     const auto read_file = [&] { return read(file); };
-    std::vector<Row> rows;
+    std::vector<SetupRow> rows;
     for (const std::size_t nodes : sizes)
         rows.push_back({whole(read_file, nodes, Integrator::leap_frog),
                         whole(read_file, nodes, Integrator::implicit_euler),
